@@ -1,0 +1,1 @@
+"""Optimisation of distributed-electric-propulsion aircraft: one differentiable OpenMDAO graph."""

@@ -1,0 +1,138 @@
+"""Rules on where rotors stand: clear of each other, of their mirror images and of the fuselage."""
+
+import math
+from collections.abc import Iterator
+from itertools import combinations, pairwise
+from typing import NamedTuple
+
+from hera_om.aircraft.definition import Aircraft
+from hera_om.aircraft.reference import SectionPlace, wing_sections
+from hera_om.aircraft.rotors import Rotor, hub_ys
+from hera_om.aircraft.rules import Finding
+
+
+class Disk(NamedTuple):
+    """A rotor disk on the starboard side [m]."""
+
+    rotor: Rotor
+    index: int
+    x: float
+    y: float
+    z: float
+    radius: float
+
+
+def rotor_findings(aircraft: Aircraft) -> Iterator[Finding]:
+    """Every inconsistency of the rotor groups; clearances only where every group is placed properly."""
+    placing = [f for rotor in aircraft.rotor for f in _placing(aircraft, rotor)]
+    yield from placing
+    for rotor in aircraft.rotor:
+        yield from _pitch(rotor)
+    if placing:
+        return
+    disks = [disk for rotor in aircraft.rotor for disk in _disks(aircraft, rotor)]
+    yield from _overlaps(disks)
+    yield from _mirror(disks)
+    yield from _fuselage(aircraft, disks)
+
+
+def _placing(aircraft: Aircraft, rotor: Rotor) -> Iterator[Finding]:
+    """Position given in exactly one way, spacing where it is needed, hubs on the span."""
+    path = f"rotor.{rotor.name}"
+    on_wing = (rotor.x_ahead_of_leading_edge_m is not None, rotor.z_offset_m is not None)
+    absolute = (rotor.x_m is not None, rotor.z_m is not None)
+    if (on_wing, absolute) not in (((True, True), (False, False)), ((False, False), (True, True))):
+        names = ("x_ahead_of_leading_edge_m", "z_offset_m", "x_m", "z_m")
+        value = ", ".join(n for n in names if getattr(rotor, n) is not None) or None
+        expected = "either x_ahead_of_leading_edge_m and z_offset_m (with a wing), or x_m and z_m"
+        yield Finding(path, value, expected, "placing")
+    elif on_wing[0] and aircraft.wing is None:
+        value = rotor.x_ahead_of_leading_edge_m
+        yield Finding(
+            f"{path}.x_ahead_of_leading_edge_m", value, "x_m and z_m, since there is no wing", "placing"
+        )
+    if rotor.count_per_side > 1 and rotor.spacing_m is None:
+        yield Finding(f"{path}.spacing_m", None, "a distance > 0 [m], since count_per_side > 1", "spacing")
+        return
+    if rotor.y_m == 0.0 and (rotor.count_per_side > 1 or aircraft.wing is not None):
+        expected = (
+            "more than 0 [m]: one rotor in the symmetry plane stands alone and goes only without a wing"
+        )
+        yield Finding(f"{path}.y_m", rotor.y_m, expected, "centred")
+    if aircraft.wing is not None and hub_ys(rotor)[-1] > aircraft.wing.section[-1].y_m:
+        tip = aircraft.wing.section[-1].y_m
+        expected = f"an outermost hub (now at {hub_ys(rotor)[-1]:g}) within the semispan {tip:g} [m]"
+        yield Finding(f"{path}.y_m", rotor.y_m, expected, "beyond the tip")
+
+
+def _pitch(rotor: Rotor) -> Iterator[Finding]:
+    """Blade pitch inside its limits."""
+    low = -math.inf if rotor.beta75_min_deg is None else rotor.beta75_min_deg
+    high = math.inf if rotor.beta75_max_deg is None else rotor.beta75_max_deg
+    if low >= high:
+        yield Finding(
+            f"rotor.{rotor.name}.beta75_min_deg", low, f"less than beta75_max_deg = {high:g}", "reversed"
+        )
+    elif not low <= rotor.beta75_deg <= high:
+        expected = f"between beta75_min_deg and beta75_max_deg, {low:g} to {high:g} [deg]"
+        yield Finding(f"rotor.{rotor.name}.beta75_deg", rotor.beta75_deg, expected, "pitch")
+
+
+def _disks(aircraft: Aircraft, rotor: Rotor) -> Iterator[Disk]:
+    """The disks of a group on the starboard side."""
+    places = wing_sections(aircraft.wing) if aircraft.wing else ()
+    for index, y in enumerate(hub_ys(rotor)):
+        if rotor.x_m is not None and rotor.z_m is not None:
+            x, z = rotor.x_m, rotor.z_m
+        else:
+            edge = _leading_edge(places, y)
+            x, z = edge.x - (rotor.x_ahead_of_leading_edge_m or 0.0), edge.z + (rotor.z_offset_m or 0.0)
+        yield Disk(rotor, index, x, y, z, 0.5 * rotor.diameter_m)
+
+
+def _leading_edge(places: tuple[SectionPlace, ...], y: float) -> SectionPlace:
+    """The wing's leading edge at a distance from the symmetry plane."""
+    for a, b in pairwise(places):
+        if y <= b.y and b.y > a.y:
+            t = (y - a.y) / (b.y - a.y)
+            return SectionPlace(a.x + t * (b.x - a.x), y, a.z + t * (b.z - a.z))
+    return places[-1]
+
+
+def _overlaps(disks: list[Disk]) -> Iterator[Finding]:
+    """Disks on one side do not overlap, seen from the front: no rotor works in another's slipstream."""
+    for a, b in combinations(disks, 2):
+        distance, needed = math.hypot(b.y - a.y, b.z - a.z), a.radius + b.radius
+        if distance >= needed:
+            continue
+        if a.rotor is b.rotor:
+            key, value = f"rotor.{a.rotor.name}.spacing_m", a.rotor.spacing_m
+            expected = f"hubs at least the diameter {needed:g} [m] apart, or the disks overlap"
+        else:
+            key, value = f"rotor.{b.rotor.name}.y_m", b.rotor.y_m
+            expected = (
+                f"at least {needed:g} [m] between hub {b.index + 1} of {b.rotor.name} at y = {b.y:g} and hub "
+                f"{a.index + 1} of {a.rotor.name} at y = {a.y:g} (now {distance:.4g}), or the disks overlap"
+            )
+        yield Finding(key, value, expected, "overlap")
+
+
+def _mirror(disks: list[Disk]) -> Iterator[Finding]:
+    """Disks do not reach their mirror images; a centred disk has none."""
+    for disk in disks:
+        if 0.0 < disk.y < disk.radius:
+            expected = f"at least the radius {disk.radius:g} [m], or the disk overlaps its mirror image"
+            yield Finding(f"rotor.{disk.rotor.name}.y_m", disk.rotor.y_m, expected, "mirror")
+
+
+def _fuselage(aircraft: Aircraft, disks: list[Disk]) -> Iterator[Finding]:
+    """Disks beside the fuselage do not cut it; its full section is taken all along."""
+    body = aircraft.fuselage
+    if body is None:
+        return
+    for disk in disks:
+        beside = 0.0 <= disk.x <= body.length_m and abs(disk.z) - disk.radius < 0.5 * body.height_m
+        needed = disk.radius + 0.5 * body.width_m
+        if beside and disk.y < needed:
+            expected = f"at least {needed:g} [m], or the disk cuts the fuselage"
+            yield Finding(f"rotor.{disk.rotor.name}.y_m", disk.rotor.y_m, expected, "fuselage")

@@ -1,0 +1,142 @@
+"""The one base class that wraps a jitted physics function as an OpenMDAO component."""
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import openmdao.api as om
+from jax.flatten_util import ravel_pytree
+
+from hera_om.aircraft.definition import Aircraft
+from hera_om.aircraft.paths import variable_box
+from hera_om.components.structure import Structure, number_array
+from hera_om.core.registry import quantity
+
+Values = dict[str, Any]
+
+
+class JaxComponent(om.ExplicitComponent):
+    """A physics function of the definition's numbers and of named inputs.
+
+    A subclass says what it reads (`READS`: prefixes of definition paths; the design variables under them become
+    inputs), adds its own inputs and outputs in `declare`, and gives `evaluate`, a static method
+    ``(aircraft, statics, constants, inputs) -> outputs`` of traced values. It is compiled once a process for each
+    structure of definition, not once an instance; derivatives are exact and dense, by the cheaper of forward and
+    reverse mode.
+    """
+
+    READS: tuple[str, ...] = ()
+
+    def initialize(self) -> None:
+        """Declare the definition as the only option that all components share."""
+        self.options.declare("aircraft", types=Aircraft, desc="definition of the aircraft")
+
+    def declare(self) -> None:
+        """Add inputs and outputs."""
+        raise NotImplementedError
+
+    @staticmethod
+    def evaluate(aircraft: Aircraft, statics: Any, constants: Any, inputs: Values) -> Values:
+        """Outputs by name from traced inputs by name."""
+        raise NotImplementedError
+
+    def setup(self) -> None:
+        """Split the definition and declare everything."""
+        aircraft = self.options["aircraft"]
+        self.structure = Structure(aircraft)
+        self.base = number_array(aircraft)
+        self.statics, self.constants = None, ()
+        self.paths: dict[str, str] = {}
+        self._add_variables(aircraft)
+        self.declare()
+        self.declare_partials("*", "*")
+
+    def _add_variables(self, aircraft: Aircraft) -> None:
+        """Make the design variables that this component reads its inputs."""
+        box = variable_box(aircraft)
+        for name, path, value, units in zip(box.names, box.paths, box.baseline, box.units, strict=True):
+            if any(path == r or path.startswith(r + ".") for r in self.READS):
+                self.paths[name] = path
+                self.add_input(name, val=value, units=units, desc=f"design variable {path}")
+
+    def add(self, name: str, *, shape: tuple[int, ...] = (1,), units: str | None = None, desc: str = "", val=None) -> None:
+        """Add an input (with ``val``) or an output (without) by the registry, or by what is given."""
+        known = quantity(name) if not desc else None
+        units, desc = (known.units, known.desc) if known else (units, desc)
+        if val is None:
+            self.add_output(name, shape=shape, units=units, desc=desc)
+        else:
+            self.add_input(name, val=np.asarray(val, float), units=units, desc=desc)
+
+    def values(self, inputs) -> Values:
+        """Inputs as float64 arrays by name (Python floats would retrace), single numbers without an axis."""
+        arrays = {name: np.asarray(inputs[name], float) for name in self._var_rel_names["input"]}
+        return {name: a.reshape(()) if a.size == 1 else a for name, a in arrays.items()}
+
+    def call(self):
+        """The compiled function and its compiled Jacobian."""
+        return _compiled(type(self).evaluate)
+
+    def compute(self, inputs, outputs) -> None:
+        """Evaluate; a value that is not finite is an AnalysisError that names it."""
+        function, _, _ = self.call()
+        out = function(self.structure, self.statics, tuple(self.paths.items()), self.base, self.constants, self.values(inputs))
+        self.store(out, outputs)
+
+    def store(self, out: Values, outputs) -> None:
+        """Copy results to OpenMDAO, guarding against what is not finite."""
+        bad = [name for name in self._var_rel_names["output"] if not np.all(np.isfinite(out[name]))]
+        if bad:
+            raise om.AnalysisError(f"{self.pathname}: not finite: {', '.join(bad)}")
+        for name in self._var_rel_names["output"]:
+            outputs[name] = np.reshape(out[name], outputs[name].shape)
+
+    def compute_partials(self, inputs, partials) -> None:
+        """Exact dense partials by forward or reverse mode, whichever has fewer passes."""
+        values = self.values(inputs)
+        _, forward, reverse = self.call()
+        n_in = sum(v.size for v in values.values())
+        n_out = sum(self._outputs[name].size for name in self._var_rel_names["output"])
+        jac = forward if n_in <= n_out else reverse
+        names = tuple(self._var_rel_names["output"])
+        args = (self.structure, self.statics, tuple(self.paths.items()), names)
+        matrix = np.asarray(jac(*args, self.base, self.constants, values))
+        fill_partials(partials, matrix, names, values, self._outputs)
+
+
+def fill_partials(partials, matrix: np.ndarray, names, values: Mapping[str, np.ndarray], outputs) -> None:
+    """Cut a dense Jacobian (outputs by inputs, both in alphabetical order of their names) into OpenMDAO's blocks."""
+    row = 0
+    for of in sorted(names):
+        height, column = outputs[of].size, 0
+        for wrt in sorted(values):
+            width = values[wrt].size
+            partials[of, wrt] = matrix[row : row + height, column : column + width]
+            column += width
+        row += height
+
+
+@lru_cache(maxsize=None)
+def _compiled(evaluate):
+    """Value, forward and reverse Jacobian of an ``evaluate``, compiled once a process."""
+
+    def run(structure: Structure, statics, paths, base, constants, inputs: Values) -> Values:
+        changes = {path: inputs[name] for name, path in paths}
+        return evaluate(structure.aircraft(base, changes), statics, constants, inputs)
+
+    def jacobian(mode):
+        def matrix(structure, statics, paths, names, base, constants, inputs):
+            flat, unravel = ravel_pytree(jax.tree.map(jnp.asarray, inputs))
+
+            def flat_run(v):
+                out = run(structure, statics, paths, base, constants, unravel(v))
+                return ravel_pytree({name: out[name] for name in names})[0]
+
+            return mode(flat_run)(flat)
+
+        return jax.jit(matrix, static_argnums=(0, 1, 2, 3))
+
+    return jax.jit(run, static_argnums=(0, 1, 2)), jacobian(jax.jacfwd), jacobian(jax.jacrev)

@@ -1,0 +1,83 @@
+"""What the aerodynamics of a whole aircraft takes: plain arrays, made from a definition by the components."""
+
+from typing import NamedTuple
+
+from jaxtyping import Array, Float
+
+from hera_om.physics.geometry import Grid, Sections
+from hera_om.physics.section_polar import SectionPolar
+
+Number = Float[Array, ""] | float
+
+
+class StripPolar(NamedTuple):
+    """Profile-drag polar of a surface: cd = cd_min (Re law) + k (cl - cl_at_cd_min)^2."""
+
+    cd_min: Number
+    cl_at_cd_min: Number
+    k: Number
+    re: Number
+    cl_max: Number
+
+
+class Surface(NamedTuple):
+    """One lifting surface of the starboard half."""
+
+    sections: Sections
+    grid: Grid
+    polar: StripPolar
+
+
+class Rotors(NamedTuple):
+    """The m rotors of the starboard half (or one in the plane of symmetry), leading axis m."""
+
+    hub: Float[Array, "m 3"]
+    incidence: Float[Array, " m"]  # thrust tilted up, rad
+    radius: Float[Array, " m"]
+    hub_radius: Float[Array, " m"]
+    r: Float[Array, "m nt"]  # blade tables: radius and chord over the tip radius, twist relative to 75 % radius in rad
+    chord: Float[Array, "m nt"]
+    twist: Float[Array, "m nt"]
+    polar: SectionPolar  # fields [m]
+    blades: Float[Array, " m"]
+    omega: Float[Array, " m"]  # rad/s
+    sense: Float[Array, " m"]  # +1 or -1, see `rotor.sense_sign`
+
+
+class Drag(NamedTuple):
+    """Drag areas without lift: a of them, each at a height, some in the slipstream of a rotor."""
+
+    area: Float[Array, " a"]  # m^2, all pieces together
+    z: Float[Array, " a"]  # m
+    rotor_share: Float[Array, "a m"]  # shares of the area that stand behind each rotor; zero rows: in free stream
+
+
+class Body(NamedTuple):
+    """Reference quantities and what the lattice does not carry."""
+
+    S: Number  # reference area, m^2
+    c: Number  # reference chord, m
+    munk_slope: Number  # Cm by alpha of the fuselage, 1/rad
+    drag: Drag
+
+
+class Flow(NamedTuple):
+    """The stream, and the point that moments and pitch rate refer to."""
+
+    speed: Number  # m/s
+    density: Number  # kg/m^3
+    sound_speed: Number  # m/s
+    viscosity: Number  # Pa s
+    mach: Number  # of the Prandtl-Glauert rule
+    point: Float[Array, " 3"]  # m
+
+
+class RotorPlan(NamedTuple):
+    """Static facts of the rotors: discretisation and losses."""
+
+    groups: tuple[int, ...]  # group of each rotor: index into the pitch angles
+    sides: int  # 2 for rotors on either side, 1 for one in the plane of symmetry
+    radial: int
+    azimuthal: int
+    tip_loss: bool
+    hub_loss: bool

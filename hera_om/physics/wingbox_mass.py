@@ -1,0 +1,70 @@
+"""Mass and centre of the primary structure, and the last step to thicknesses that can be bought."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from hera_om.physics.wingbox_types import BoxMass, BoxModel
+
+ScalarLike = Float[Array, ""] | float | int
+
+
+def _per_length(model: BoxModel, t: Float[Array, "4 n"], t_rib: Float[Array, "n"]) -> Float[Array, "5 n"]:
+    """Mass per length of one half wing, kg/m: skins, webs, caps, stringers, ribs."""
+    shape, members = model.shape, model.members
+    areas = [
+        shape.width * (t[0] + t[1]),
+        shape.h_front * t[2] + shape.h_rear * t[3],
+        4.0 * members.A_cap,
+        2.0 * members.n_stringer * members.A_stringer,
+        shape.enclosed * t_rib / model.concept.rib_pitch,
+    ]
+    return model.material.rho * jnp.stack(areas)
+
+
+def box_mass(
+    model: BoxModel, points: Float[Array, "n 3"], t: Float[Array, "4 n"], t_rib: Float[Array, "n"]
+) -> tuple[BoxMass, Float[Array, "3"]]:
+    """Mass of both half wings by part, and the centre of one half.
+
+    m = 2 int rho A ds by the trapezoidal rule along the box; ribs are smeared over their pitch. The centre
+    section goes on from the first station to the plane of symmetry, with the section of the first station.
+
+    Args:
+        model: the box.
+        points: centre of the box at the stations, m [n, 3].
+        t: thickness of upper skin, lower skin, front web, rear web, m [4, n].
+        t_rib: thickness of the ribs, m [n].
+
+    Returns:
+        Mass parts, kg, and the centre of one half including its share of the centre section, m.
+    """
+    per_length = _per_length(model, t, t_rib)
+    step = jnp.sqrt(jnp.sum(jnp.square(jnp.diff(points, axis=0)), axis=1))
+    lengths = 0.5 * (jnp.pad(step, (1, 0)) + jnp.pad(step, (0, 1)))
+    half = per_length @ lengths
+    inboard = points[0, 1]
+    centre = jnp.sum(per_length[:, 0]) * inboard
+    moment = jnp.sum(per_length, axis=0) * lengths @ points + centre * points[0] * jnp.array([1.0, 0.5, 1.0])
+    return BoxMass(*(2.0 * half), 2.0 * centre), moment / (jnp.sum(half) + centre)
+
+
+def round_up_to_increment(
+    t: Float[Array, "p n"], *, increment: ScalarLike, max_step: ScalarLike = jnp.inf
+) -> Float[Array, "p n"]:
+    """Thicknesses that can be bought: whole increments, and no more than ``max_step`` between neighbours.
+
+    Only ever adds thickness. Not to be differentiated: a last step for reports and gradient-free drivers.
+
+    Args:
+        t: continuous thickness, m.
+        increment: step of the sheets, m.
+        max_step: largest difference of neighbouring stations, m, a whole number of increments.
+
+    Returns:
+        Rounded thickness, m.
+    """
+    rounded = increment * jnp.ceil(t / increment - 1e-9)
+    station = jnp.arange(t.shape[1])
+    apart = jnp.abs(station[:, None] - station[None, :])
+    allowance = jnp.where(apart == 0, 0.0, max_step * jnp.maximum(apart, 1))
+    return jnp.max(rounded[:, None, :] - allowance, axis=2)

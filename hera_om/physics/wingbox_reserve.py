@@ -1,0 +1,81 @@
+"""Reserve factors of what is given: caps and stringers in tension and compression."""
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from hera_om.physics import buckling
+from hera_om.physics.box_section import z_stringer
+from hera_om.physics.box_smooth import positive_part, smooth_below, smooth_max
+from hera_om.physics.wingbox_criteria import BoxState
+from hera_om.physics.wingbox_types import BoxModel, Reserves
+
+ScalarLike = Float[Array, ""] | float | int
+
+# End fixity of a stringer over its ribs: effective length = rib pitch / sqrt(c). 1 is pinned, the lower
+# bound; Bruhn C7 and Niu allow 1.5 to 2 for ribs riveted to the stringers.
+COLUMN_FIXITY = 1.0
+SMOOTH_WIDTH = 1e-3
+
+
+def column_stress(model: BoxModel, t_skin: Float[Array, "2 n"]) -> Float[Array, "2 n"]:
+    """Failing stress of a stringer with its effective skin between two ribs.
+
+    Johnson-Euler from the crippling stress; the skin works over 1.9 t sqrt(E / F_cc), at most one pitch,
+    which is never buckled at the required reserve since it is sized so. Bruhn C7.26, C7.19.
+
+    Args:
+        model: box, material, concept.
+        t_skin: upper and lower skin, m [2, n].
+
+    Returns:
+        Stress, Pa, for upper and lower stringers.
+    """
+    concept, material, members = model.concept, model.material, model.members
+    z = z_stringer(members.A_stringer)
+    f_cc = buckling.crippling_stress(z.area_over_t2, modulus=material.E, f_cy=material.F_cy)
+    pitch = concept.stringer_pitch
+    width = pitch * smooth_below(
+        buckling.effective_width(t_skin, f_cc, modulus=material.E) / pitch, 1.0, 0.01
+    )
+    skin = width * t_skin
+    area = members.A_stringer + skin
+    arm = z.centroid + 0.5 * t_skin
+    inertia = (
+        members.A_stringer * (z.gyration_square + jnp.square(arm) * skin / area)
+        + skin * jnp.square(t_skin) / 12.0
+    )
+    length_square = jnp.square(concept.rib_pitch) / COLUMN_FIXITY
+    return buckling.johnson_euler_stress(jnp.sqrt(length_square * area / inertia), f_cc, modulus=material.E)
+
+
+def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike) -> Reserves:
+    """RFT and RFC of caps and stringers: allowable over LIMIT stress, required 1.5.
+
+    Tension against F_tu. Compression: caps against F_cy, stringers against the smaller of F_cy and the
+    column stress (which starts from crippling). Both carry the stress of the skin that they are fastened
+    to, the extreme fibre, so that F_cy / stress bounds both.
+
+    Args:
+        model: the box and its loads.
+        state: stresses at t.
+        t: thickness, m [4, n].
+        sharpness: exponent of the smooth extremes.
+
+    Returns:
+        Reserve factors over the span and their smooth minima: below the true minimum by at most (2 case
+        n)^(1/sharpness).
+    """
+    material = model.material
+    pulled = positive_part(state.cover_direct / material.F_tu, SMOOTH_WIDTH)
+    pressed = positive_part(-state.cover_direct / material.F_cy, SMOOTH_WIDTH)
+    column = column_stress(model, t[:2])[:, None] / material.F_cy
+    use_tension = smooth_max(pulled, (0, 1), sharpness)
+    use_compression = smooth_max(jnp.stack([pressed, pressed / column]), (0, 1, 2), sharpness)
+    yielding = jnp.stack([pulled * material.F_tu / material.F_ty, pressed])
+    return Reserves(
+        1.0 / use_tension,
+        1.0 / use_compression,
+        1.0 / smooth_max(use_tension, 0, sharpness),
+        1.0 / smooth_max(use_compression, 0, sharpness),
+        1.0 / smooth_max(yielding, (0, 1, 2, 3), sharpness),
+    )

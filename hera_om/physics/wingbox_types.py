@@ -1,0 +1,152 @@
+"""What goes into and comes out of the wing box, and its stations along the span."""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float, Int
+
+from hera_om.physics.box_section import BoxMembers, BoxShape
+
+ScalarLike = Float[Array, ""] | float | int
+
+PANELS = ("upper skin", "lower skin", "front web", "rear web")
+CRITERIA = ("von Mises", "buckling", "minimum gauge")
+
+
+class Material(NamedTuple):
+    """Isotropic material: moduli and strengths in Pa, density in kg/m3."""
+
+    E: ScalarLike
+    G: ScalarLike
+    nu: ScalarLike
+    rho: ScalarLike
+    F_ty: ScalarLike
+    F_cy: ScalarLike
+    F_tu: ScalarLike
+    F_su: ScalarLike
+
+
+class BoxConcept(NamedTuple):
+    """Concept of the box: spars as chord fractions, pitches and sheet limits in m, required reserve factor."""
+
+    front_spar: ScalarLike
+    rear_spar: ScalarLike
+    rib_pitch: ScalarLike
+    stringer_pitch: ScalarLike
+    t_min: ScalarLike
+    t_max: ScalarLike = 0.050
+    reserve: ScalarLike = 1.5
+
+
+class BoxGeometry(NamedTuple):
+    """Wing at n stations from the fuselage joint to the tip.
+
+    ``axis_fraction`` is the chord fraction of the axis about which the torque is given; 0.38 lies near the
+    shear centre of a box between 0.15 and 0.62.
+    """
+
+    leading_edge: Float[Array, "n 3"]
+    chord: Float[Array, "n"]
+    thickness_ratio: Float[Array, "n"]
+    axis_fraction: ScalarLike = 0.38
+
+
+class BoxLoads(NamedTuple):
+    """LIMIT section loads by case: shear up N, bending tip-up N m, torque nose-up N m about the axis."""
+
+    V: Float[Array, "case n"]
+    M: Float[Array, "case n"]
+    T: Float[Array, "case n"]
+
+
+class CriticalStress(NamedTuple):
+    """Elastic critical stress at unit thickness, Pa/m2: it grows with the square of the thickness."""
+
+    cover_compression: Float[Array, ""]
+    cover_shear: Float[Array, ""]
+    web_bending: Float[Array, "2 1 n"]
+    web_shear: Float[Array, "2 1 n"]
+    rib: Float[Array, "n"]
+
+
+class BoxModel(NamedTuple):
+    """Everything fixed while the thicknesses are sought."""
+
+    shape: BoxShape
+    members: BoxMembers
+    material: Material
+    concept: BoxConcept
+    loads: BoxLoads
+    critical: CriticalStress
+    axis_from_front: Float[Array, "n"]
+
+
+class BoxMass(NamedTuple):
+    """Mass in kg of both half wings by part; the centre section joins them with the first station's sheets."""
+
+    skins: Float[Array, ""]
+    webs: Float[Array, ""]
+    caps: Float[Array, ""]
+    stringers: Float[Array, ""]
+    ribs: Float[Array, ""]
+    centre_section: Float[Array, ""]
+
+
+class Reserves(NamedTuple):
+    """Reserve factors of caps and stringers, allowable over LIMIT stress: over the span and smooth minima."""
+
+    RFT_span: Float[Array, "n"]
+    RFC_span: Float[Array, "n"]
+    RFT: Float[Array, ""]
+    RFC: Float[Array, ""]
+    RF_yield: Float[Array, ""]
+    """Yield at limit load, tension and compression: required 1.0."""
+
+
+class BoxResult(NamedTuple):
+    """A sized box. Thickness in m and stress in Pa at n stations, mass in kg of both half wings."""
+
+    t_skin_upper: Float[Array, "n"]
+    t_skin_lower: Float[Array, "n"]
+    t_web_front: Float[Array, "n"]
+    t_web_rear: Float[Array, "n"]
+    t_rib: Float[Array, "n"]
+    stress_upper: Float[Array, "case n"]
+    """Direct stress of the upper extreme fibre, tension positive."""
+    stress_lower: Float[Array, "case n"]
+    use: Float[Array, "4 3 n"]
+    """Utilisation by panel and criterion, required reserve over reserve; 1 where it sizes."""
+    active: Int[Array, "4 n"]
+    """Which of ``CRITERIA`` sizes each of ``PANELS``; not differentiated."""
+    worst_excess: Float[Array, "n"]
+    """Largest utilisation less one: above 1e-6 no allowed thickness carries the load."""
+    RFT_span: Float[Array, "n"]
+    RFC_span: Float[Array, "n"]
+    RFT: Float[Array, ""]
+    RFC: Float[Array, ""]
+    RF_yield: Float[Array, ""]
+    x_shear_centre: Float[Array, "n"]
+    mass: BoxMass
+    m_primary: Float[Array, ""]
+    cg: Float[Array, "3"]
+    """Centre of the primary structure of one half wing, geometry axes, m."""
+
+
+def elastic_axis(geometry: BoxGeometry) -> Float[Array, "n 3"]:
+    """Points of the axis about which the section loads are wanted, m; twist does not move them."""
+    return _at_fraction(geometry, geometry.axis_fraction)
+
+
+def box_centre(geometry: BoxGeometry, concept: BoxConcept) -> Float[Array, "n 3"]:
+    """Points midway between the spars, m."""
+    return _at_fraction(geometry, 0.5 * (concept.front_spar + concept.rear_spar))
+
+
+def _at_fraction(geometry: BoxGeometry, fraction: ScalarLike) -> Float[Array, "n 3"]:
+    """Leading edge moved aft by a fraction of the chord."""
+    return geometry.leading_edge.at[:, 0].add(fraction * geometry.chord)
+
+
+def stack_cases(*cases) -> BoxLoads:
+    """Loads of several cases (anything with V, M, T of shape [n]) as one structure."""
+    return BoxLoads(*(jnp.stack([getattr(case, name) for case in cases]) for name in BoxLoads._fields))
