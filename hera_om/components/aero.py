@@ -2,32 +2,36 @@
 
 from collections import OrderedDict
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import openmdao.api as om
 from jax.flatten_util import ravel_pytree
 
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
 from hera_om.physics.aerodynamics import AeroResult, evaluate
-from hera_om.physics.coupling import Controls, System, make_system
+from hera_om.physics.aero_cases import Body
+from hera_om.physics.coupling import Controls, Root, Setting, System, carry_derivatives, find_root, join_factors, make_system, split_factors
 from hera_om.physics.geometry import CAMBER
+from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
 COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
 GEOMETRY = ("wing", "htail", "lattice")  # what the factorised system reads, beside the disks and the Mach number
-STATE_INPUTS = ("alpha", "q_hat", "delta_e", "altitude", "x_cg", "z_cg")  # never change the system; nor does blade pitch
 
 
 class Aerodynamics(JaxComponent):
     """Coefficients, drag build-up, power-on derivatives and loads at one flight condition.
 
     Evaluation has two stages: assembly and factorisation, which read geometry and Mach number, are kept while those
-    stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then cheap. While
-    `states_only` is set, partials by anything else are left as they were: Newton's method needs only those by states.
+    stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then cheap.
+
+    While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
+    elevator and blade pitch, from derivatives that `compute` has found anyway.
     """
 
     READS = ("wing.section", "wing.x_le_root_m", "wing.z_root_m", "wing.incidence_deg", "wing.polar", "htail", "vtail")
@@ -37,7 +41,6 @@ class Aerodynamics(JaxComponent):
     def declare(self) -> None:
         """Condition and controls in; coefficients, derivatives, rotors and loads out."""
         aircraft = self.options["aircraft"]
-        self.groups = tuple(r.name for r in aircraft.rotor)
         self.statics = AeroPlan(aircraft)
         self.constants = tuple(arrays.grids(aircraft))
         point = np.asarray(arrays.moment_point(aircraft))
@@ -47,39 +50,48 @@ class Aerodynamics(JaxComponent):
         defaults |= {f"theta_{r.name}": r.beta75_deg for r in aircraft.rotor}
         for name, value in defaults.items():
             self.add(name, val=value)
+        self.add("load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat")
         for name, shape in self.statics.outputs(aircraft).items():
             self.add(name, shape=shape, **_TEXTS.get(name, {}))
 
-    @staticmethod
-    def evaluate(aircraft, statics: "AeroPlan", constants, inputs: Values) -> Values:
-        """Both stages at once."""
-        system = _system(aircraft, statics, constants, inputs)
-        return _outputs(aircraft, statics, constants, system, inputs)
-
     def compute(self, inputs, outputs) -> None:
         """Assemble if geometry or Mach number have moved, then evaluate the state."""
-        values = self.values(inputs)
-        _, state, _, _ = _stages()
-        out = state(*self._static(), self.base, self.constants, self._assembled(values), values)
-        self.store(out, outputs)
+        self.store(self._state(self.values(inputs)).outputs, outputs)
+
+    def store(self, out: Values, outputs) -> None:
+        """Copy results, unless lattice and rotors have found no equilibrium."""
+        super().store(out, outputs)
+        if float(out["coupling_residual"]) > UNCONVERGED:
+            raise om.AnalysisError(
+                f"{self.pathname}: lattice and rotors have not converged (residual {float(out['coupling_residual']):.1e} "
+                f"of the flight speed, limit {UNCONVERGED:.0e})"
+            )
 
     def compute_partials(self, inputs, partials) -> None:
-        """By the state from the kept system; by geometry through the assembly as well, unless `states_only`."""
+        """Exact derivatives by all inputs, or those of the balances alone, see `states_only`."""
         values = self.values(inputs)
+        kept = self._state(values)
+        if self.states_only:
+            self._balances(partials, kept)
+            return
+        _, _, by_system, by_input = _stages()
         names = tuple(sorted(self._var_rel_names["output"]))
         fixed = self._fixed_names()
         moving = tuple(n for n in sorted(values) if n not in fixed)
-        _, _, by_state, by_all = _stages()
-        system = self._assembled(values)
-        args = (*self._static(), names)
-        columns = by_state(*args, moving, self.base, self.constants, system, values)
-        self._fill(partials, columns, names, moving)
-        if fixed and not self.states_only:
-            self._fill(partials, by_all(*args, fixed, self.base, self.constants, values), names, fixed)
+        tangents = by_system(*self._static(), fixed, self.base, self.constants, values)
+        args = (self.base, self.constants, kept.system, kept.root, kept.inverse, values)
+        matrix = by_input(*self._static(), names, fixed, moving, *args, tangents)
+        fill_partials(partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs)
 
-    def _fill(self, partials, matrix, names, wrt) -> None:
-        """Blocks of some columns."""
-        fill_partials(partials, np.asarray(matrix), names, {n: np.zeros(1) for n in wrt}, self._outputs)
+    def _balances(self, partials, kept: "State") -> None:
+        """Partials of the balances by the trim's states, per degree, from the derivatives among the outputs."""
+        by = [("alpha", 0), ("delta_e", 2), *((f"theta_{g}", 3 + i) for i, g in enumerate(self.statics.groups))]
+        for wrt, column in by:
+            for of, row in zip(COEFFICIENTS, kept.by, strict=True):
+                partials[of, wrt] = float(row[column]) * RAD
+            for i, group in enumerate(self.statics.groups):
+                members = [k for k, g in enumerate(self.statics.rotors.groups) if g == i]
+                partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
 
     def _fixed_names(self) -> tuple[str, ...]:
         """Inputs that the factorised system depends on."""
@@ -89,21 +101,42 @@ class Aerodynamics(JaxComponent):
     def _static(self) -> tuple[Any, ...]:
         return self.structure, self.statics, tuple(self.paths.items())
 
-    def _assembled(self, values: Values) -> System:
-        """The factorised system of these inputs, from the last few kept."""
+    def _state(self, values: Values) -> "State":
+        """The state at these inputs: evaluated, or kept from the last few calls of any instance."""
         read = {n: float(values[n]) for n in self._fixed_names()}
-        key = (self.structure, self.statics, self.base.tobytes(), tuple(read.items()))
-        if key not in _systems:
-            assemble, _, _, _ = _stages()
-            _systems[key] = assemble(*self._static(), self.base, self.constants, values)
-            while len(_systems) > KEPT:
-                _systems.popitem(last=False)
-        _systems.move_to_end(key)
-        return _systems[key]
+        common = (self.structure, self.statics, self.base.tobytes())
+        assemble, state, _, _ = _stages()
+        static = self._static()
+        system = _keep(_systems, (*common, tuple(read.items())), lambda: assemble(*static, self.base, self.constants, values))
+        key = (*common, tuple((n, float(v)) for n, v in sorted(values.items())))
+        return _keep(_states, key, lambda: state(*static, self.base, self.constants, system, values))
 
 
+class State(NamedTuple):
+    """What one evaluation leaves for its outputs and its derivatives."""
+
+    outputs: Values
+    system: System
+    root: Root
+    inverse: Any  # see `physics.coupling.carry_derivatives`
+    by: Any  # Coefficients by the state
+    thrust_by: Any
+
+
+UNCONVERGED = 1e-9  # of the flight speed: residual of the coupling above which an analysis has failed
 KEPT = 4
 _systems: OrderedDict[Any, System] = OrderedDict()
+_states: OrderedDict[Any, State] = OrderedDict()
+
+
+def _keep(store: OrderedDict, key, make):
+    """The value of a key, made if it is not among the last few."""
+    if key not in store:
+        store[key] = make()
+        while len(store) > KEPT:
+            store.popitem(last=False)
+    store.move_to_end(key)
+    return store[key]
 
 
 class AeroPlan:
@@ -130,7 +163,7 @@ class AeroPlan:
     def outputs(self, aircraft) -> dict[str, tuple[int, ...]]:
         """Names and shapes of the outputs."""
         scalars = [*COEFFICIENTS, "L_over_D", "CDi", "CDi_near", "CD_slipstream", "CD_profile", "CD_fuselage", "CD_areas"]
-        scalars += ["lift_margin", "dynamic_pressure", "speed", "density"]
+        scalars += ["lift_margin", "dynamic_pressure", "speed", "density", "coupling_residual"]
         scalars += [f"{c}_{by}" for c in COEFFICIENTS for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
         if self.groups:
@@ -154,6 +187,7 @@ class AeroPlan:
 
 _TEXTS: dict[str, dict[str, Any]] = {
     "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
+    "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
     "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
     "speed": {"units": "m/s", "desc": "true airspeed"},
     "density": {"units": "kg/m**3", "desc": "density of the air"},
@@ -168,36 +202,40 @@ _TEXTS: dict[str, dict[str, Any]] = {
 }
 
 
-def _flow(aircraft, inputs: Values):
-    """The stream about the centre of gravity."""
-    point = jnp.stack([inputs["x_cg"], jnp.zeros(()), inputs["z_cg"]])
-    return arrays.flow(aircraft, inputs["mach"], inputs["altitude"], point)
-
-
 def _system(aircraft, statics: AeroPlan, constants, inputs: Values) -> System:
     """First stage."""
     surfaces = arrays.surfaces(aircraft, list(constants))
     return make_system(surfaces, arrays.rotors(aircraft), statics.rotors, inputs["mach"], statics.shape)
 
 
-def _outputs(aircraft, statics: AeroPlan, constants, system: System, inputs: Values) -> Values:
-    """Second stage."""
-    flow = _flow(aircraft, inputs)
+def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tuple[Controls, Setting, Body]:
+    """State, stream and reference quantities of the second stage."""
+    point = jnp.stack([inputs["x_cg"], jnp.zeros(()), inputs["z_cg"]])
+    flow = arrays.flow(aircraft, inputs["mach"], inputs["altitude"], point)
     body = arrays.body(aircraft, flow)
+    turning = jnp.where(flow.speed > 0, pull_up_rate(jnp.where(flow.speed > 0, flow.speed, 1.0), inputs["load_factor"]), 0.0)
+    q_hat = inputs["q_hat"] + turning * body.c / (2 * jnp.where(flow.speed > 0, flow.speed, 1.0))
     theta = [inputs[f"theta_{g}"] * RAD for g in statics.groups]
-    x = Controls(
-        inputs["alpha"] * RAD, inputs["q_hat"], inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0)
-    )
-    rotors = arrays.rotors(aircraft)
+    x = Controls(inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0))
+    return x, Setting(system, arrays.rotors(aircraft), flow, body.c), body
+
+
+def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse) -> AeroResult:
+    """Second stage at a root; with ``inverse`` the root carries derivatives."""
+    x, at, body = _setting(aircraft, statics, system, inputs)
+    flat = root.flat if inverse is None else carry_derivatives(root, inverse, x, at, statics.rotors)
     surfaces = arrays.surfaces(aircraft, list(constants))
-    result = evaluate(
-        system, x, surfaces, rotors=rotors, plan=statics.rotors, body=body, flow=flow, tail=statics.tail
-    )
-    out = _coefficients(statics, result) | _drag(aircraft, result, body, flow) | _air(result, flow)
-    if rotors is not None:
-        out |= _rotor_outputs(statics, result, rotors, flow)
+    return evaluate(flat, x, surfaces, at=at, plan=statics.rotors, body=body, tail=statics.tail, phi=root.phi)
+
+
+def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
+    """Outputs by name."""
+    _, at, body = _setting(aircraft, statics, system, inputs)
+    out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow)
+    if at.rotors is not None:
+        out |= _rotor_outputs(statics, result, at.rotors, at.flow)
     if aircraft.wing is not None:
-        out |= _wing_outputs(system, result, flow)
+        out |= _wing_outputs(system, result, at.flow)
     return out
 
 
@@ -236,12 +274,13 @@ def _air(result: AeroResult, flow) -> Values:
     """Stream and stall margin."""
     margin = jnp.minimum(result.lift_margin, 1e3)
     q = 0.5 * flow.density * flow.speed**2
-    return {"lift_margin": margin, "dynamic_pressure": q, "speed": flow.speed, "density": flow.density}
+    out = {"lift_margin": margin, "dynamic_pressure": q, "speed": flow.speed, "density": flow.density}
+    return out | {"coupling_residual": result.residual}
 
 
 def _rotor_outputs(statics: AeroPlan, result: AeroResult, rotors, flow) -> Values:
     """One rotor of each group, and the sums over all rotors."""
-    r, plan = result.solution.rotors, statics.rotors
+    r, plan = result.loads.rotors, statics.rotors
     first = [plan.groups.index(i) for i in range(len(statics.groups))]
     advance = jnp.where(r.CP == 0, 0.0, r.CT / jnp.where(r.CP == 0, 1.0, r.CP)) * (
         flow.speed * np.pi / (rotors.omega * rotors.radius)
@@ -271,7 +310,7 @@ def _wing_outputs(system: System, result: AeroResult, flow) -> Values:
 
 @lru_cache(maxsize=1)
 def _stages():
-    """Compiled: assembly, state, Jacobian by state at a kept system, Jacobian through both stages."""
+    """Compiled once a process: assembly, state, tangents of the assembly, and the Jacobian by all inputs."""
 
     def definition(structure: Structure, paths, base, inputs):
         return structure.aircraft(base, {path: inputs[name] for name, path in paths})
@@ -280,29 +319,47 @@ def _stages():
         return _system(definition(structure, paths, base, inputs), statics, constants, inputs)
 
     def state(structure, statics, paths, base, constants, system, inputs):
-        return _outputs(definition(structure, paths, base, inputs), statics, constants, system, inputs)
+        aircraft = definition(structure, paths, base, inputs)
+        x, at, _ = _setting(aircraft, statics, system, inputs)
+        root = find_root(x, at, statics.rotors)
+        result = _evaluate(aircraft, statics, constants, system, inputs, root, None)
+        outputs = _outputs(aircraft, statics, system, inputs, result)
+        return State(outputs, system, root, result.inverse, result.derivatives, result.thrust_by)
 
-    def columns(run, names, wrt, inputs):
-        flat, unravel = ravel_pytree({n: jnp.asarray(inputs[n]) for n in wrt})
+    def by_system(structure, statics, paths, wrt, base, constants, inputs):
+        """Tangents of the assembled system by the inputs that it reads, stacked on a leading axis."""
 
-        def flat_run(v):
-            out = run(inputs | unravel(v))
+        def run(v):
+            here = inputs | dict(zip(wrt, v, strict=True))
+            return split_factors(assemble(structure, statics, paths, base, constants, here))[0]
+
+        start = jnp.stack([jnp.asarray(inputs[n]) for n in wrt])
+        return jax.vmap(lambda direction: jax.jvp(run, (start,), (direction,))[1])(jnp.eye(len(wrt)))
+
+    def by_input(structure, statics, paths, names, fixed, moving, base, constants, system, root, inverse, inputs, tangents):
+        """Jacobian of all outputs, columns in alphabetical order of the inputs."""
+
+        def run(varying, v):
+            here = inputs | dict(zip(order, v, strict=True))
+            aircraft = definition(structure, paths, base, here)
+            system = join_factors(varying, factors)
+            result = _evaluate(aircraft, statics, constants, system, here, root, inverse)
+            out = _outputs(aircraft, statics, system, here, result)
             return ravel_pytree({n: out[n] for n in names})[0]
 
-        return jax.jacfwd(flat_run)(flat)
+        order = (*fixed, *moving)
+        varying, factors = split_factors(system)
+        start, basis = jnp.stack([jnp.asarray(inputs[n]) for n in order]), jnp.eye(len(order))
+        padded = jax.tree.map(
+            lambda t: jnp.concatenate([t, jnp.zeros((len(moving), *t.shape[1:]), t.dtype)]), tangents
+        )
+        push = jax.vmap(lambda d_system, d: jax.jvp(run, (varying, start), (d_system, d))[1], out_axes=1)
+        return push(padded, basis)[:, jnp.asarray(np.argsort(order))]
 
-    def by_state(structure, statics, paths, names, wrt, base, constants, system, inputs):
-        return columns(lambda x: state(structure, statics, paths, base, constants, system, x), names, wrt, inputs)
-
-    def by_all(structure, statics, paths, names, wrt, base, constants, inputs):
-        def run(x):
-            return state(structure, statics, paths, base, constants, assemble(structure, statics, paths, base, constants, x), x)
-
-        return columns(run, names, wrt, inputs)
-
+    static = (0, 1, 2)
     return (
-        jax.jit(assemble, static_argnums=(0, 1, 2)),
-        jax.jit(state, static_argnums=(0, 1, 2)),
-        jax.jit(by_state, static_argnums=(0, 1, 2, 3, 4)),
-        jax.jit(by_all, static_argnums=(0, 1, 2, 3, 4)),
+        jax.jit(assemble, static_argnums=static),
+        jax.jit(state, static_argnums=static),
+        jax.jit(by_system, static_argnums=(*static, 3)),
+        jax.jit(by_input, static_argnums=(*static, 3, 4, 5)),
     )

@@ -40,7 +40,7 @@ class JaxComponent(om.ExplicitComponent):
 
     @staticmethod
     def evaluate(aircraft: Aircraft, statics: Any, constants: Any, inputs: Values) -> Values:
-        """Outputs by name from traced inputs by name."""
+        """Outputs by name from traced inputs by name; a subclass gives this, or its own compute."""
         raise NotImplementedError
 
     def setup(self) -> None:

@@ -6,11 +6,18 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Body, Flow, RotorPlan, Rotors, Surface
-from hera_om.physics.coupling import SLIPSTREAM, Controls, Solution, System, onset, solve_coupled
-from hera_om.physics.disks import slipstreams
-from hera_om.physics.lattice import solve
-from hera_om.physics.lattice_forces import StripLoads, filament_forces, half_resultant, strip_loads, trefftz
+from hera_om.physics.aero_cases import Body, Flow, RotorPlan, Surface
+from hera_om.physics.coupling import SLIPSTREAM, Controls, Response, Setting, onset, respond
+from hera_om.physics.disks import Wake, slipstreams
+from hera_om.physics.lattice import filament_strengths, solve
+from hera_om.physics.lattice_forces import (
+    StripLoads,
+    filament_force_change,
+    filament_forces,
+    half_resultant,
+    strip_loads,
+    trefftz,
+)
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import RotorSolution
 
@@ -46,102 +53,124 @@ class Loads(NamedTuple):
 
 
 class AeroResult(NamedTuple):
-    """Outcome of `evaluate`."""
+    """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta_e and the groups' blade pitch, per radian."""
 
     total: Coefficients
-    derivatives: Coefficients  # each [2 + e + g]: by alpha, q_hat, delta_e and the groups' blade pitch, 1/rad
+    derivatives: Coefficients  # each [3 + g]
+    thrust_by: Float[Array, "m s"]  # of each starboard rotor, N
     alphadot: Coefficients  # by alphadot c / 2V
     drag: DragParts
     lift_margin: Array  # least of cl_max - |cl| over the strips
     cl_strips: list[Array]  # section lift coefficients by surface, on the local dynamic pressure
     loads: Loads
-    solution: Solution
+    wake: Wake | None
+    residual: Array  # of the coupling, over the flight speed
+    inverse: Float[Array, "u u"]  # of the Jacobian of the coupling, for `coupling.carry_derivatives`
 
 
 def evaluate(
-    system: System,
+    flat: Float[Array, " u"],
     x: Controls,
     surfaces: list[Surface],
     *,
-    rotors: Rotors | None,
+    at: Setting,
     plan: RotorPlan | None,
     body: Body,
-    flow: Flow,
     tail: int | None,
+    phi=None,
 ) -> AeroResult:
-    """Everything at one state, with the derivatives by the state.
+    """Everything at one state, with the derivatives by the state at equilibrium of lattice and rotors.
+
+    One forward pass differentiates forces and coupling by the state and by the unknowns of the coupling; the implicit
+    function theorem joins them.
 
     The alpha-dot derivatives are INTERIM: quasi-steady flow in which the wing's circulation, as the tail sees it, is
     late by the time of flight from the wing (the lag of downwash, Etkin & Reid, Dynamics of Flight 3e, section 5.5),
     computed with the lattice's own downwash. Apparent mass and the wing's own unsteady wake are left out.
 
     Args:
-        system: from `make_system`.
+        flat: equilibrium from `coupling.find_root` or `coupling.carry_derivatives`.
         x: state.
         surfaces: the surfaces of the system; the first one is the wing.
-        rotors, plan: rotors or None.
+        at: system, rotors, stream and reference chord.
+        plan: static facts of the rotors, or None.
         body: reference quantities and what the lattice does not carry.
-        flow: stream and moment point.
         tail: index of the surface in the wing's downwash, or None.
+        phi: inflow angles of the blade elements at equilibrium.
 
     Returns:
         AeroResult.
     """
-    size = x.theta.shape[0]
-    flat = jnp.concatenate([jnp.stack([x.alpha, x.q_hat, x.delta_e]), x.theta])
-
-    def state(v):
-        return Controls(v[0], v[1], v[2], v[3 : 3 + size])
+    n, size = flat.shape[0], x.theta.shape[0]
+    state = jnp.concatenate([flat, jnp.stack([x.alpha, x.q_hat, x.delta_e]), x.theta])
 
     def forces(v):
-        solution = solve_coupled(system, state(v), rotors=rotors, plan=plan, flow=flow, c=body.c)
-        total, parts = _coefficients(system, state(v), solution, surfaces, plan=plan, rotors=rotors, body=body, flow=flow)
-        return (total, solution.gamma), (total, parts, solution)
+        here = Controls(v[n], v[n + 1], v[n + 2], v[n + 3 : n + 3 + size])
+        answer = respond(v[:n], here, at, plan, phi)
+        total, rest = _coefficients(here, answer, surfaces, at=at, plan=plan, body=body)
+        thrust = jnp.zeros(0) if answer.loads is None else answer.loads.thrust
+        return (answer.flat, total, thrust, answer.gamma), (answer, total, rest)
 
-    (derivatives, gamma_by), (total, parts, solution) = jax.jacfwd(forces, has_aux=True)(flat)
-    alphadot = _alphadot(system, x, solution, gamma_by, surfaces, plan=plan, rotors=rotors, body=body, flow=flow, tail=tail)
-    drag, cl, margin, loads = parts
-    return AeroResult(total, derivatives, alphadot, drag, margin, cl, loads, solution)
+    (by_flat, by, thrust_by, gamma_by), (answer, total, rest) = jax.jacfwd(forces, has_aux=True)(state)
+    if n:
+        jacobian = by_flat[:, :n] - jnp.eye(n)
+        shift = jnp.linalg.solve(jacobian, -by_flat[:, n:])
+        join = lambda d: d[..., n:] + d[..., :n] @ shift  # noqa: E731
+    else:
+        jacobian, join = jnp.zeros((0, 0)), lambda d: d
+    by, thrust_by, gamma_by = jax.tree.map(join, (by, thrust_by, gamma_by))
+    alphadot = _alphadot(x, answer, gamma_by[:, 0], at=at, plan=plan, body=body, tail=tail)
+    drag, cl, margin, wing = rest
+    residual = jnp.max(jnp.abs(answer.flat - flat), initial=0.0)
+    inverse = jnp.linalg.inv(jacobian) if n else jacobian
+    return AeroResult(
+        total, by, thrust_by, alphadot, drag, margin, cl, Loads(wing, answer.loads), answer.wake, residual, inverse
+    )
 
 
-def _coefficients(system, x, solution, surfaces, *, plan, rotors, body: Body, flow: Flow):
+def _coefficients(x: Controls, answer: Response, surfaces, *, at: Setting, plan, body: Body):
     """Coefficients and everything that hangs on the same forces."""
-    stream = jnp.stack([jnp.cos(x.alpha), 0.0 * x.alpha, jnp.sin(x.alpha)])
-    zero = jnp.zeros(3)
-    lattice_force, lattice_moment, profile_force, profile_moment = zero, zero, zero, zero
-    drag_of = lambda force: force @ stream / body.S  # noqa: E731
-    cl, margin, wing, induced, slip = [], jnp.inf, None, 0.0, 0.0
+    flow, system = at.flow, at.system
+    stream, up = _wind_axes(x.alpha)
+    force = moment = profile_force = jnp.zeros(3)
+    cl, margin, wing = [], jnp.asarray(jnp.inf), None
+    induced = slip = trace = jnp.zeros(())
     if system.lattice is not None:
         lattice, panels = system.lattice, system.panels
-        wash = jnp.zeros_like(lattice.bound_points)
-        if rotors is not None:
-            wash = SLIPSTREAM * slipstreams(rotors, plan, solution.wake, lattice.bound_points)
-        base = onset(lattice.bound_points, x, c=body.c, point=flow.point)
-        loads = strip_loads(lattice, panels, filament_forces(lattice, panels, solution.gamma, base + wash))
-        without = strip_loads(lattice, panels, filament_forces(lattice, panels, solution.gamma, base))
-        lattice_force, lattice_moment = half_resultant(loads, flow.point)
-        bare_force, _ = half_resultant(without, flow.point)
-        induced, slip = drag_of(bare_force), drag_of(lattice_force - bare_force)
-        drags, cl, margin = _profile(panels, surfaces, loads, base + wash, body, flow)
-        profile_force, profile_moment = half_resultant(drags, flow.point)
-        wing = jax.tree.map(jnp.add, loads[0], drags[0]._replace(point=jnp.zeros_like(drags[0].point)))
-    area_force, area_moment = _areas(body, solution, stream, flow)
-    aero = lattice_force + profile_force + area_force
-    moment = lattice_moment + profile_moment + area_moment
-    everything = aero / body.S
-    cm = moment[1] / (body.S * body.c) + body.munk_slope * x.alpha
-    if rotors is not None:
-        hub_force, hub_moment = _hub_loads(rotors, plan, solution, flow)
+        base = onset(lattice.bound_points, x, c=at.c, point=flow.point)
+        wash = jnp.zeros_like(base)
+        if plan is not None:
+            wash = SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.bound_points)
+        on_filaments = filament_forces(lattice, panels, answer.gamma, base + wash)
+        loads = strip_loads(panels, lattice, on_filaments)
+        drags, cl, margin = _profile(panels, surfaces, loads, base + wash, flow)
+        both = [jax.tree.map(jnp.add, a, b) for a, b in zip(loads, drags, strict=True)]
+        force, moment = half_resultant(both, flow.point)
+        profile_force, _ = half_resultant(drags, flow.point)
+        wing = both[0]
+        by_wash = jnp.cross(wash, lattice.bound_arms) @ stream
+        slip = 4.0 * filament_strengths(panels, answer.gamma) @ by_wash / body.S
+        induced = (force - profile_force) @ stream / body.S - slip
+        trace = trefftz(panels, answer.gamma)[1] / body.S
+    area_force, area_moment = _areas(body, answer, stream, flow)
+    force, moment = force + area_force, moment + area_moment
+    everything, cm = force / body.S, moment[1] / (body.S * body.c) + body.munk_slope * x.alpha
+    if plan is not None:
+        hub_force, hub_moment = _hub_loads(at.rotors, plan, answer, flow)
         q_S = 0.5 * flow.density * flow.speed**2 * body.S
         everything, cm = everything + hub_force / q_S, cm + hub_moment[1] / (q_S * body.c)
-    up = jnp.stack([-jnp.sin(x.alpha), 0.0 * x.alpha, jnp.cos(x.alpha)])
-    total = Coefficients(aero @ up / body.S, drag_of(aero), everything[0], everything[2], cm)
-    trace = trefftz(system.panels, solution.gamma)[1] / body.S if system.panels else jnp.zeros(())
-    parts = DragParts(trace, jnp.asarray(induced), jnp.asarray(slip), drag_of(profile_force), drag_of(area_force))
-    return total, (parts, cl, margin, Loads(wing, solution.rotors))
+    total = Coefficients(force @ up / body.S, force @ stream / body.S, everything[0], everything[2], cm)
+    drag = DragParts(trace, induced, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
+    return total, (drag, cl, margin, wing)
 
 
-def _profile(panels, surfaces, loads, velocity, body, flow):
+def _wind_axes(alpha):
+    """Unit vectors along drag and lift."""
+    zero = jnp.zeros_like(alpha)
+    return jnp.stack([jnp.cos(alpha), zero, jnp.sin(alpha)]), jnp.stack([-jnp.sin(alpha), zero, jnp.cos(alpha)])
+
+
+def _profile(panels, surfaces, loads, velocity, flow):
     """Profile drag of every strip in its own stream, section lift coefficients, and the least margin to cl_max."""
     out, cls, margin, start = [], [], jnp.inf, 0
     for panel, surface, load in zip(panels, surfaces, loads, strict=True):
@@ -159,27 +188,27 @@ def _profile(panels, surfaces, loads, velocity, body, flow):
         reynolds = scale * jnp.sqrt(q) * panel.strip_chord
         cd = section_profile_drag(cl, reynolds, cd_min=p.cd_min, cl_at_cd_min=p.cl_at_cd_min, k=p.k, re_ref=p.re)
         drag = (cd * jnp.sqrt(q) * area)[:, None] * local
-        out.append(StripLoads(load.point, drag, jnp.zeros_like(drag)))
+        out.append(StripLoads(jnp.zeros_like(drag), drag, jnp.zeros_like(drag)))
         cls.append(cl)
         margin = jnp.minimum(margin, p.cl_max - jnp.max(jnp.abs(cl)))
     return out, cls, margin
 
 
-def _areas(body: Body, solution: Solution, stream, flow: Flow):
+def _areas(body: Body, answer: Response, stream, flow: Flow):
     """Drag areas in the free stream, or in the developed slipstream (twice the disk's mean velocity) of a rotor."""
     d = body.drag
     pressure = jnp.ones_like(d.area)
-    if solution.wake is not None:
-        behind = (1.0 + 2.0 * SLIPSTREAM * jnp.mean(solution.wake.axial, axis=1)) ** 2 - 1.0
+    if answer.wake is not None:
+        behind = (1.0 + 2.0 * SLIPSTREAM * jnp.mean(answer.wake.axial, axis=1)) ** 2 - 1.0
         pressure = pressure + d.rotor_share @ behind
     force = jnp.sum(d.area * pressure) * stream
     arm = jnp.sum(d.area * pressure * (d.z - flow.point[2]))
     return force, jnp.stack([jnp.zeros_like(arm), arm * stream[0], jnp.zeros_like(arm)])
 
 
-def _hub_loads(rotors, plan, solution: Solution, flow: Flow):
+def _hub_loads(rotors, plan, answer: Response, flow: Flow):
     """Hub force (N) and moment about the point (N m) of all rotors, mirrored ones included."""
-    force, moment = solution.rotors.force, solution.rotors.moment
+    force, moment = answer.loads.force, answer.loads.moment
     about = moment + jnp.cross(rotors.hub - flow.point, force)
     if plan.sides == 1:
         return jnp.sum(force, axis=0), jnp.sum(about, axis=0)
@@ -187,21 +216,22 @@ def _hub_loads(rotors, plan, solution: Solution, flow: Flow):
     return keep * jnp.sum(force, axis=0), (2.0 - keep) * jnp.sum(about, axis=0)
 
 
-def _alphadot(system, x, solution, gamma_by, surfaces, *, plan, rotors, body, flow, tail):
+def _alphadot(x: Controls, answer: Response, gamma_alpha, *, at: Setting, plan, body: Body, tail):
     """Derivatives by alphadot c / 2V: the tail meets the downwash of a wing that was at alpha - alphadot dx / V."""
-    if tail is None or system.lattice is None:
-        return jax.tree.map(jnp.zeros_like, Coefficients(*[jnp.zeros(())] * 5))
-    counts = [p.collocation.shape[0] * p.collocation.shape[1] for p in system.panels]
+    if tail is None or at.system.lattice is None:
+        return Coefficients(*[jnp.zeros(())] * 5)
+    lattice, panels, flow = at.system.lattice, at.system.panels, at.flow
+    counts = [p.collocation.shape[0] * p.collocation.shape[1] for p in panels]
     first, last = sum(counts[:tail]), sum(counts[: tail + 1])
-    wing = slice(0, counts[0])
-    distance = system.lattice.collocation[first:last, 0] - jnp.mean(system.panels[0].strip_edges[:, 0])
-    downwash = system.lattice.matrix[first:last, wing] @ gamma_by[wing, 0]
+    distance = lattice.collocation[first:last, 0] - jnp.mean(panels[0].strip_edges[:, 0])
+    downwash = lattice.matrix[first:last, : counts[0]] @ gamma_alpha[: counts[0]]
     late = DOWNWASH_LAG * 2.0 * distance / body.c * downwash
-    rhs = jnp.zeros_like(solution.gamma).at[first:last].set(late)
-    response = solve(system.lattice, rhs)
-
-    def forces(step):
-        moved = solution._replace(gamma=solution.gamma + step * response)
-        return _coefficients(system, x, moved, surfaces, plan=plan, rotors=rotors, body=body, flow=flow)[0]
-
-    return jax.jvp(forces, (jnp.zeros(()),), (jnp.ones(()),))[1]
+    response = solve(lattice, jnp.zeros_like(answer.gamma).at[first:last].set(late))
+    base = onset(lattice.bound_points, x, c=at.c, point=flow.point)
+    if plan is not None:
+        base = base + SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.bound_points)
+    change = filament_force_change(lattice, panels, answer.gamma, base, response)
+    force, moment = half_resultant(strip_loads(panels, lattice, change), flow.point)
+    stream, up = _wind_axes(x.alpha)
+    force = force / body.S
+    return Coefficients(force @ up, force @ stream, force[0], force[2], moment[1] / (body.S * body.c))

@@ -56,7 +56,7 @@ class Loads(NamedTuple):
 
 
 def strip_load(
-    edges: Float[Array, "k+1"],
+    edges: Float[Array, "edge"],
     points: Float[Array, "k 3"],
     *,
     forces: Float[Array, "k 3"],
@@ -82,7 +82,7 @@ def point_mass(mass: Float[Array, "k"], points: Float[Array, "k 3"]) -> SpanMass
 
 def spread_mass(
     total: ScalarLike,
-    edges: Float[Array, "k+1"],
+    edges: Float[Array, "edge"],
     *,
     intensity: Float[Array, "k"],
     points: Float[Array, "k 3"],
@@ -94,7 +94,7 @@ def spread_mass(
 
     Args:
         total: mass, kg.
-        edges: y of the strip edges, m, ascending [k+1].
+        edges: y of the strip edges, m, ascending [edge].
         intensity: relative mass per unit span of each strip [k].
         points: centres of the strips, m [k, 3].
 

@@ -6,7 +6,6 @@ the mean induced velocities of every annulus (two numbers by rotor and radius).
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Float
@@ -18,7 +17,7 @@ from hera_om.physics.lattice import Lattice, assemble, prandtl_glauert, solve, v
 from hera_om.physics.rotor import RotorSolution
 
 TOLERANCE = 1e-12  # of the induced velocities over the flight speed
-MAX_ITERATIONS = 60
+MAX_ITERATIONS = 60  # of the coupling; the residual is an output, so that a failure is seen
 SLIPSTREAM = 1.0
 """Share of the slipstream that reaches the surfaces; 0 makes the rotors act on the aircraft by their hub forces only."""
 UPWASH = 1.0
@@ -33,6 +32,18 @@ class System(NamedTuple):
     disk_velocity: Array | None  # [m nr npsi 3 n] velocity at the blade elements per unit circulation
 
 
+def split_factors(system: System) -> tuple[System, tuple]:
+    """A system without its factorisation, which carries no derivatives, and the factorisation."""
+    if system.lattice is None:
+        return system, ()
+    return system._replace(lattice=system.lattice._replace(lu=())), system.lattice.lu
+
+
+def join_factors(system: System, factors: tuple) -> System:
+    """The inverse of `split_factors`."""
+    return system if system.lattice is None else system._replace(lattice=system.lattice._replace(lu=factors))
+
+
 class Controls(NamedTuple):
     """The state that derivatives are taken by."""
 
@@ -42,13 +53,29 @@ class Controls(NamedTuple):
     theta: Float[Array, " g"]  # blade pitch of the rotor groups at 75 % radius, rad
 
 
-class Solution(NamedTuple):
-    """Circulations and rotors in equilibrium with each other."""
+class Root(NamedTuple):
+    """Equilibrium found without derivatives, and what carries derivatives through it."""
 
+    flat: Float[Array, " u"]  # induced velocities over the flight speed: axial, then swirl, by rotor and radius
+    phi: Array | None  # inflow angles of the blade elements there, rad
+
+
+class Response(NamedTuple):
+    """Lattice and rotors for given induced velocities."""
+
+    flat: Float[Array, " u"]  # induced velocities that the rotors answer with
     gamma: Float[Array, " n"]
-    rotors: RotorSolution | None
+    loads: RotorSolution | None
     wake: Wake | None
-    residual: Array  # of the coupling, over the flight speed
+
+
+class Setting(NamedTuple):
+    """Arrays that surround the state; all of them can carry derivatives."""
+
+    system: System
+    rotors: Rotors | None
+    flow: Flow
+    c: Array | float  # reference chord, m
 
 
 def make_system(surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, shape: str = CAMBER) -> System:
@@ -77,74 +104,74 @@ def normals(lattice: Lattice, delta_e) -> Float[Array, "n 3"]:
     return lattice.normal + jnp.sin(delta_e) * lattice.normal_hinge
 
 
-def circulation(system: System, x: Controls, extra, *, c, point) -> Float[Array, " n"]:
+def circulation(at: Setting, x: Controls, extra) -> Float[Array, " n"]:
     """Ring circulations with the velocity ``extra`` [n, 3] at the collocation points."""
-    lattice = system.lattice
-    wash = onset(lattice.collocation, x, c=c, point=point) + extra
+    lattice = at.system.lattice
+    wash = onset(lattice.collocation, x, c=at.c, point=at.flow.point) + extra
     return solve(lattice, -jnp.sum(wash * normals(lattice, x.delta_e), axis=-1))
 
 
-def solve_coupled(system: System, x: Controls, *, rotors: Rotors | None, plan: RotorPlan | None, flow: Flow, c) -> Solution:
-    """Equilibrium of lattice and rotors.
+def unknowns(plan: RotorPlan | None, system: System) -> int:
+    """Number of unknowns of the coupling: none without rotors or without surfaces."""
+    return 0 if plan is None or system.lattice is None else 2 * len(plan.groups) * plan.radial
 
-    The fixed point of the induced velocities is found without derivatives; two chord steps with the exact Jacobian at
-    the solution then carry first and second derivatives exactly (each step raises the order by one).
-    """
-    nothing = jnp.zeros(())
-    if rotors is None or plan is None:
-        return Solution(circulation(system, x, jnp.zeros(3), c=c, point=flow.point), None, None, nothing)
-    if system.lattice is None:
-        loads = _disk_loads(system, x, None, rotors=rotors, plan=plan, flow=flow, c=c)
-        return Solution(jnp.zeros(0), loads, Wake(loads.v_axial / flow.speed, loads.v_swirl / flow.speed), nothing)
 
-    def respond(flat, system, x, rotors, flow, c):
-        wake = Wake(*flat.reshape(2, len(plan.groups), plan.radial))
-        extra = SLIPSTREAM * slipstreams(rotors, plan, wake, system.lattice.collocation)
-        gamma = circulation(system, x, extra, c=c, point=flow.point)
-        loads = _disk_loads(system, x, gamma, rotors=rotors, plan=plan, flow=flow, c=c)
-        induced = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()])
-        return induced / flow.speed, gamma, loads
-
-    args = (system, x, rotors, flow, c)
-    flat, inverse = _root(respond, lax.stop_gradient(args), 2 * len(plan.groups) * plan.radial)
-
-    def chord(carry, _):
-        out, gamma, loads = respond(carry, *args)
-        miss = out - carry
-        return carry - inverse @ miss, (carry, gamma, loads, miss)
-
-    # two steps, and a last pass that only evaluates; one loop, so that the model is compiled once
-    _, passes = lax.scan(chord, flat, None, length=3)
-    flat, gamma, loads, miss = jax.tree.map(lambda p: p[-1], passes)
+def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, phi=None) -> Response:
+    """One pass: slipstreams of the given strength, the lattice in them, the rotors in the lattice's upwash."""
+    if plan is None:
+        return Response(flat, circulation(at, x, jnp.zeros(3)), None, None)
+    if at.system.lattice is None:
+        loads = _disk_loads(at, x, None, plan, phi)
+        return Response(flat, jnp.zeros(0), loads, Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed))
     wake = Wake(*flat.reshape(2, len(plan.groups), plan.radial))
-    return Solution(gamma, loads, wake, jnp.max(jnp.abs(miss)))
+    extra = SLIPSTREAM * slipstreams(at.rotors, plan, wake, at.system.lattice.collocation)
+    gamma = circulation(at, x, extra)
+    loads = _disk_loads(at, x, gamma, plan, phi)
+    induced = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
+    return Response(induced, gamma, loads, wake)
 
 
-def _disk_loads(system: System, x: Controls, gamma, *, rotors, plan, flow: Flow, c) -> RotorSolution:
-    """Rotors in the free stream, the pitch rate and the upwash of the surfaces."""
-    points = disk_points(rotors, plan)
-    stream = onset(points, x, c=c, point=flow.point)
-    if system.disk_velocity is not None:
-        stream = stream + UPWASH * system.disk_velocity @ gamma
-    return rotor_loads(rotors, plan, flow.speed * stream, pitch=x.theta, flow=flow)
-
-
-def _root(respond, args, n: int) -> tuple[Array, Array]:
-    """Fixed point from zero and the inverse of the Jacobian of (response - unknowns) there.
+def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
+    """Equilibrium of lattice and rotors, without derivatives.
 
     The upwash changes a rotor's loading by a few percent and the loading the upwash by less: plain iteration
-    gains more than a digit a step and needs the response compiled once only.
+    gains more than a digit a step and needs one compiled copy of the model.
     """
+    x, at = lax.stop_gradient((x, at))
+    n = unknowns(plan, at.system)
+    if plan is None:
+        return Root(jnp.zeros(0), None)
+    if n == 0:
+        return Root(jnp.zeros(0), respond(jnp.zeros(0), x, at, plan).loads.phi)
 
     def unfinished(carry):
-        flat, out, i = carry
+        flat, out, _, i = carry
         return (jnp.max(jnp.abs(out - flat)) > TOLERANCE) & (i < MAX_ITERATIONS)
 
     def step(carry):
-        _, out, i = carry
-        return out, respond(out, *args)[0], i + 1
+        _, out, _, i = carry
+        answer = respond(out, x, at, plan)
+        return out, answer.flat, answer.loads.phi, i + 1
 
     start = jnp.zeros(n)
-    flat, _, _ = lax.while_loop(unfinished, step, (start - 1.0, start, 0))
-    jacobian = jax.jacfwd(lambda f: respond(f, *args)[0])(flat) - jnp.eye(n)
-    return flat, jnp.linalg.inv(jacobian)
+    blank = jnp.zeros((len(plan.groups), plan.radial, plan.azimuthal))
+    _, flat, phi, _ = lax.while_loop(unfinished, step, (start - 1.0, start, blank, 0))
+    return Root(flat, phi)
+
+
+def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: RotorPlan | None) -> Float[Array, " u"]:
+    """The root as a function of everything: one step of Newton's method with the Jacobian of the root.
+
+    Its value is the root's; its first derivatives are exact (implicit function theorem).
+    """
+    miss = respond(root.flat, x, at, plan, root.phi).flat - root.flat
+    return root.flat - inverse @ miss
+
+
+def _disk_loads(at: Setting, x: Controls, gamma, plan: RotorPlan, phi) -> RotorSolution:
+    """Rotors in the free stream, the pitch rate and the upwash of the surfaces."""
+    points = disk_points(at.rotors, plan)
+    stream = onset(points, x, c=at.c, point=at.flow.point)
+    if at.system.disk_velocity is not None:
+        stream = stream + UPWASH * at.system.disk_velocity @ gamma
+    return rotor_loads(at.rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)

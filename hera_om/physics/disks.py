@@ -46,13 +46,16 @@ def disk_points(rotors: Rotors, plan: RotorPlan) -> Float[Array, "m nr npsi 3"]:
 
 
 def rotor_loads(
-    rotors: Rotors, plan: RotorPlan, velocity: Float[Array, "m nr npsi 3"], *, pitch: Float[Array, " g"], flow: Flow
+    rotors: Rotors, plan: RotorPlan, velocity: Float[Array, "m nr npsi 3"], *, pitch: Float[Array, " g"], flow: Flow, phi=None
 ) -> RotorSolution:
-    """Every rotor in the given stream (geometry axes, m/s); forces and moments of the result in geometry axes."""
+    """Every rotor in the given stream (geometry axes, m/s); forces and moments of the result in geometry axes.
+
+    ``phi``, the inflow angles if they are known already, saves the search for them.
+    """
     axes = shaft_axes(rotors.incidence)
     local = jnp.einsum("mij,mrpj->mrpi", axes, velocity)
 
-    def one(blade, stream, angle, rotor):
+    def one(blade, stream, angle, rotor, known):
         return solve_rotor(
             blade,
             stream,
@@ -66,9 +69,10 @@ def rotor_loads(
             sense=rotor.sense,
             tip_loss=plan.tip_loss,
             hub_loss=plan.hub_loss,
+            phi=known,
         )
 
-    out = jax.vmap(one)(blades(rotors, plan), local, pitch[jnp.asarray(plan.groups)], rotors)
+    out = jax.vmap(one)(blades(rotors, plan), local, pitch[jnp.asarray(plan.groups)], rotors, phi)
     force, moment = (jnp.einsum("mi,mij->mj", v, axes) for v in (out.force, out.moment))
     return out._replace(force=force, moment=moment)
 
@@ -92,11 +96,9 @@ def slipstreams(rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array
             edge_width=EDGE_WIDTH * radius,
         )
 
-    def field(at):
-        each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))
-        return jnp.sum(each(at, rotors.hub, axes, rotors.radius, r, wake.axial, wake.swirl, rotors.sense), axis=0)
-
-    if plan.sides == 1:
-        return field(points)
     mirror = jnp.asarray(MIRROR)
-    return field(points) + field(points * mirror) * mirror
+    both = points if plan.sides == 1 else jnp.concatenate([points, points * mirror])
+    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))
+    field = jnp.sum(each(both, rotors.hub, axes, rotors.radius, r, wake.axial, wake.swirl, rotors.sense), axis=0)
+    n = points.shape[0]
+    return field if plan.sides == 1 else field[:n] + field[n:] * mirror

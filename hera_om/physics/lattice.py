@@ -31,7 +31,7 @@ class Lattice(NamedTuple):
     bound_points: Float[Array, "e 3"]  # middles of the bound and chordwise filaments of all surfaces
     bound_arms: Float[Array, "e 3"]  # their vectors, m
     matrix: Float[Array, "n n"]  # normal velocity at the collocation points
-    lu: tuple[Array, Array]
+    lu: tuple  # factors and pivots; no derivatives
     velocity: Float[Array, "e 3 n"]  # velocity at bound_points per unit unknown
 
 

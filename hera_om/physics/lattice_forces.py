@@ -27,7 +27,14 @@ def filament_forces(lattice: Lattice, surfaces: list[Panels], gamma, onset: Floa
     return 2.0 * filament_strengths(surfaces, gamma)[:, None] * jnp.cross(local, lattice.bound_arms)
 
 
-def strip_loads(lattice: Lattice, surfaces: list[Panels], forces: Float[Array, "e 3"]) -> list[StripLoads]:
+def filament_force_change(lattice: Lattice, surfaces: list[Panels], gamma, onset, change) -> Float[Array, "e 3"]:
+    """Derivative of `filament_forces` by the circulations along ``change`` [n]."""
+    local = onset + lattice.velocity @ gamma
+    old, new = filament_strengths(surfaces, gamma)[:, None], filament_strengths(surfaces, change)[:, None]
+    return 2.0 * jnp.cross(new * local + old * (lattice.velocity @ change), lattice.bound_arms)
+
+
+def strip_loads(surfaces: list[Panels], lattice: Lattice, forces: Float[Array, "e 3"]) -> list[StripLoads]:
     """Forces collected by strip; a chordwise filament is shared by its two neighbours."""
     out, start = [], 0
     for s in surfaces:

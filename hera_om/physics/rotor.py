@@ -25,9 +25,8 @@ LEAST_LOSS = 1e-4
 """Floor of the loss factor at the very tip and hub."""
 LEAST_SPEED = 1e-6
 """Local speed in m/s under which an element counts as being in still air."""
-ROOT_TOLERANCE = 1e-8
-"""Bracket width, rad, at which the search stops; the Newton steps after it square the error."""
-RESIDUAL_TOLERANCE = 1e-10
+ROOT_TOLERANCE, RESIDUAL_TOLERANCE = 1e-8, 1e-10
+"""Bracket width, rad, or residual at which the search stops; the Newton steps after it square the error."""
 ROOT_ITERATIONS = 80
 FIRST_STEP = 0.1
 """First trial, rad from the undisturbed stream: the induced angle of a loaded propeller is of this size."""
@@ -76,6 +75,8 @@ class RotorSolution(NamedTuple):
     """Torque absorbed by one blade per unit span, N m/m."""
     tip_mach: Float[Array, ""]
     """Helical tip Mach number."""
+    phi: Float[Array, "nr npsi"]
+    """Inflow angle of every element, rad; given back to ``solve_rotor`` it saves the search."""
     residual: Float[Array, ""]
     """Largest remaining residual of the elements, of order one when unsolved."""
 
@@ -106,11 +107,9 @@ class _Loading(NamedTuple):
 
 
 def sense_sign(name: str, side: float) -> float:
-    """Sign of a rotor's angular velocity about the x axis, which points aft.
+    """Sign of a rotor's angular velocity about the x axis, aft; +1 is anticlockwise seen from behind.
 
-    +1 turns from y (starboard) to z (up): seen from behind, anticlockwise. Inboard-up means that the blade
-    on the fuselage side moves up: -1 for a rotor on the starboard wing, whose fuselage side is at -y, and
-    +1 on the port wing.
+    Inboard-up, the blade on the fuselage side moves up: -1 on the starboard wing, +1 on the port wing.
 
     Arguments:
         name: "inboard-up" or "outboard-up".
@@ -211,9 +210,7 @@ def _loading(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> _Loa
 
 
 def _residual(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> Field:
-    """Mismatch of momentum and blade-element theory; negative at -90, positive at +90 degrees from the
-    stream.
-    """
+    """Mismatch of the two theories, negative at -90 and positive at +90 degrees from the stream."""
     load = _loading(phi, elements, losses)
     turning = load.sine * elements.flow_cosine - load.cosine * elements.flow_sine
     lift = load.normal * elements.flow_cosine + load.tangential * elements.flow_sine
@@ -257,9 +254,8 @@ def _bracketed_root(f: Callable[[Array], Array], centre: Field, reach: float) ->
     """Roots of ``f`` within ``reach`` of ``centre`` for all elements at once, on the side where the sign
     changes.
 
-    ``f`` is negative at ``centre - reach`` and positive at ``centre + reach``, of order one, which is all
-    that the search wants to know of them. Source: Chandrupatla, Advances in Engineering Software 28 (1997)
-    145-149.
+    ``f`` is negative at ``centre - reach`` and positive at ``centre + reach``, of order one: its values there
+    are not computed. Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
     """
 
     def step(s: _Search) -> _Search:
@@ -279,10 +275,10 @@ def _bracketed_root(f: Callable[[Array], Array], centre: Field, reach: float) ->
     return jnp.where(jnp.abs(found.f1) <= jnp.abs(found.f2), found.x1, found.x2)
 
 
-def _inflow_angle(elements: _Elements, losses: tuple[bool, bool]) -> Field:
+def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field | None) -> Field:
     """Inflow angle of every element, exact to second derivatives.
 
-    The root is found without derivatives. Each of two Newton steps with the slope frozen there then adds
+    The root is found without derivatives, unless it is ``known``. Each of two Newton steps with the slope frozen there then adds
     one exact order of the dependence on the parameters.
     """
     frozen = lax.stop_gradient(elements)
@@ -290,16 +286,16 @@ def _inflow_angle(elements: _Elements, losses: tuple[bool, bool]) -> Field:
     def mismatch(phi: Array) -> Array:
         return _residual(phi, frozen, losses)
 
-    root = lax.stop_gradient(_bracketed_root(mismatch, frozen.flow_angle, 0.5 * jnp.pi))
+    if known is None:
+        known = _bracketed_root(mismatch, frozen.flow_angle, 0.5 * jnp.pi)
+    root = lax.stop_gradient(known)
     slope = lax.stop_gradient(jax.jvp(mismatch, (root,), (jnp.ones_like(root),))[1])
     slope = jnp.where(jnp.abs(slope) > LEAST_SLOPE, slope, LEAST_SLOPE)
     return lax.fori_loop(0, 2, lambda _, phi: phi - _residual(phi, elements, losses) / slope, root)
 
 
 def _resultant_speed(load: _Loading, solidity: Column, axial: Field, tangential: Field) -> Field:
-    """Resultant W from (Va, Vt) = W (sin(phi) - sigma cn / 4Fm, cos(phi) + sigma ct / 4Fm), without
-    dividing by m.
-    """
+    """Resultant W from (Va, Vt) = W (sin(phi) - sigma cn / 4Fm, cos(phi) + sigma ct / 4Fm)."""
     scale = solidity / (4.0 * load.loss)
     a = load.mass_flow * load.sine - scale * load.normal
     b = load.mass_flow * load.cosine + scale * load.tangential
@@ -373,6 +369,7 @@ def solve_rotor(
     sense: ScalarLike,
     tip_loss: bool = True,
     hub_loss: bool = True,
+    phi: Float[Array, "nr npsi"] | None = None,
 ) -> RotorSolution:
     """Forces, moments and induced velocities of a rotor in any stream, by blade-element momentum theory.
 
@@ -386,16 +383,14 @@ def solve_rotor(
 
         m sin(phi - phi0) - sigma / 4F (cl cos(phi - phi0) - cd sin(phi - phi0)) = 0.
 
-    At phi0 +- 90 degrees its sign is fixed by m > 0 and cd > 0, so a root always exists and is bracketed,
-    for any signs of Va and Vt and for either of them zero. This is the residual of Ning multiplied by its
-    denominators. Where no lift acts at phi0 the bracket splits there, so that the root nearest to the
-    undisturbed stream is taken.
+    It is Ning's residual times its denominators. At phi0 +- 90 degrees its sign is fixed by m > 0 and cd > 0,
+    at phi0 by that of the lift, so a root is always bracketed, whatever Va and Vt, zero included.
 
     Momentum theory is m = |sin(phi)|. Where the thrust opposes the stream so much that it ends (a > 0.4), m
     follows Buhl's empirical relation to a = 1, and beyond it returns smoothly to momentum theory at zero
     inflow. The vortex ring state is thus a smooth interpolation between two theories, no more.
 
-    Source: Ning, Wind Energy 17 (2014) 1327-1345; Ning, Struct. Multidisc. Optim. 64 (2021) 991-1014; Buhl,
+    Source: Ning, Wind Energy 17 (2014) 1327-1345; Ning, Struct. Multidisc. Optim. 64 (2021) 994-1014; Buhl,
     NREL/TP-500-36834 (2005); Prandtl's losses after Glauert, in Durand, Aerodynamic Theory IV (1935).
 
     Arguments:
@@ -432,7 +427,7 @@ def solve_rotor(
     geometry = {"pitch": pitch, "radius": radius, "hub_radius": hub_radius, "n_blades": n_blades}
     moving = jnp.where(still, LEAST_SPEED, tangential)
     elements = _elements(blade, axial, moving, sound_speed=sound_speed, **geometry)
-    phi = _inflow_angle(elements, losses)
+    phi = _inflow_angle(elements, losses, phi)
     load = _loading(phi, elements, losses)
     speed = _resultant_speed(load, elements.solidity, axial, tangential)
     pressure = 0.5 * density * speed**2 * _column(blade.chord)
@@ -456,5 +451,6 @@ def solve_rotor(
         blade_thrust=thrust_span,
         blade_torque=_column(blade.r) * drag_span,
         tip_mach=tip_speed / sound_speed,
+        phi=phi,
         residual=jnp.max(jnp.abs(lax.stop_gradient(_residual(phi, elements, losses)))),
     )

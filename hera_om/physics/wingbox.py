@@ -5,7 +5,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from hera_om.physics import buckling
 from hera_om.physics.box_section import BoxShape, box_members, box_shape
@@ -27,9 +27,11 @@ from hera_om.physics.wingbox_types import (
 ScalarLike = Float[Array, ""] | float | int
 
 # Newton in the logarithm of the thickness: utilisations are close to powers of it, so a handful of steps do.
-_MAX_ITERATIONS = 40
+_MAX_ITERATIONS = 60
 _TOLERANCE = 1e-13
 _LARGEST_STEP = 0.7
+_SHRINK = 0.4
+_GROW = 1.3
 _T_START = 0.004
 _T_LOWEST = 1e-5
 
@@ -100,42 +102,48 @@ def _newton_step(matrix: Float[Array, "n 4 4"], value: Float[Array, "4 n"]) -> F
 
 
 class _Search(NamedTuple):
-    """State of the damped Newton iteration; each station has its own damping."""
+    """State of the Newton iteration; every thickness has its own trust radius."""
 
     x: Float[Array, "4 n"]
-    size: Float[Array, "n"]
-    damping: Float[Array, "n"]
-    change: Float[Array, ""]
+    step: Float[Array, "4 n"]
+    radius: Float[Array, "4 n"]
     matrix: Float[Array, "n 4 4"]
     count: Int[Array, ""]
 
 
 def _search(model: BoxModel, sharpness: ScalarLike) -> _Search:
-    """Root of `_log_use` by Newton steps, halved at a station where the last one made matters worse."""
+    """Root of `_log_use` by Newton steps in a trust box, which shrinks for a thickness that turns back.
+
+    Where the bending share of a sheet is capped its utilisation is almost flat, and plain Newton jumps to
+    and fro across the knee.
+    """
     n = model.shape.width.shape[0]
     highest = jnp.log(model.concept.t_max)
 
     def advance(s: _Search) -> _Search:
         value, matrix = _value_and_jacobian(s.x, model, sharpness)
-        size = jnp.max(jnp.abs(value), axis=0)
-        damping = jnp.where(size > s.size, 0.5 * s.damping, jnp.minimum(2.0 * s.damping, 1.0))
-        step = damping * jnp.clip(_newton_step(matrix, value), -_LARGEST_STEP, _LARGEST_STEP)
-        moved = jnp.clip(s.x + step, jnp.log(_T_LOWEST), highest)
-        return _Search(moved, size, damping, jnp.max(jnp.abs(moved - s.x) / damping), matrix, s.count + 1)
+        newton = _newton_step(matrix, value)
+        turned = newton * s.step < 0.0
+        radius = jnp.where(turned, _SHRINK * s.radius, jnp.minimum(_GROW * s.radius, _LARGEST_STEP))
+        moved = jnp.clip(s.x + jnp.clip(newton, -radius, radius), jnp.log(_T_LOWEST), highest)
+        return _Search(moved, moved - s.x, radius, matrix, s.count + 1)
 
+    def unfinished(s: _Search) -> Bool[Array, ""]:
+        return (jnp.max(jnp.abs(s.step)) > _TOLERANCE) & (s.count < _MAX_ITERATIONS)
+
+    whole = jnp.full((4, n), _LARGEST_STEP)
     start = _Search(
-        jnp.full((4, n), jnp.log(_T_START)), jnp.full(n, jnp.inf), jnp.ones(n), jnp.asarray(jnp.inf),
-        jnp.broadcast_to(jnp.eye(4), (n, 4, 4)), jnp.asarray(0),
-    )  # fmt: skip
-    return lax.while_loop(lambda s: (s.change > _TOLERANCE) & (s.count < _MAX_ITERATIONS), advance, start)
+        jnp.full((4, n), jnp.log(_T_START)), whole, whole, jnp.broadcast_to(jnp.eye(4), (n, 4, 4)), jnp.asarray(0)
+    )
+    return lax.while_loop(unfinished, advance, start)
 
 
 def solve_thickness(model: BoxModel, sharpness: ScalarLike = SHARPNESS) -> Float[Array, "4 n"]:
     """Thickness at which every panel is just sized by its worst criterion.
 
-    Damped Newton on log u_i(log t_1..4) = 0 per station, outside the derivatives; then two Newton steps
-    with the last matrix inside them. The first step makes first derivatives those of the implicit function
-    theorem, the second the second ones.
+    Newton in a trust box on log u_i(log t_1..4) = 0 per station, outside the derivatives; then two Newton
+    steps with the last matrix inside them. The first step makes first derivatives those of the implicit
+    function theorem, the second the second ones.
 
     Args:
         model: the box and its loads.

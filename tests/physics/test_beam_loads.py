@@ -49,11 +49,13 @@ def test_cantilever_under_uniform_load():
     # The rounding adds q w^2 / 24 to the bending and takes q w / 8 from the shear at the very tip.
     np.testing.assert_allclose(loads.V[:-1], q * arm[:-1], rtol=1e-12)
     np.testing.assert_allclose(loads.M[:-1], q * arm[:-1] ** 2 / 2 + q * 0.1**2 / 24, rtol=1e-10)
-    np.testing.assert_allclose(loads.M[0], q * arm[0] ** 2 / 2, rtol=1e-5)
+    np.testing.assert_allclose(loads.M[0], q * arm[0] ** 2 / 2, rtol=2e-5)
 
 
 def test_elliptic_load_acts_at_four_over_three_pi(reference):
-    value = tomllib.loads((reference / "structures_closed_form.toml").read_text())["elliptic_load_semispan"]["value"]
+    value = tomllib.loads((reference / "structures_closed_form.toml").read_text())["elliptic_load_semispan"][
+        "value"
+    ]
     y = jnp.linspace(0.5, SPAN, N)
     edges = SPAN * jnp.sin(jnp.linspace(0.0, jnp.pi / 2, 101))
     loads = section_loads(
@@ -68,18 +70,23 @@ def test_elliptic_load_acts_at_four_over_three_pi(reference):
     lift, first = outboard(np.asarray(y) / SPAN)
     np.testing.assert_allclose(loads.V[:-1], lift[:-1], rtol=1e-3)
     np.testing.assert_allclose(loads.M[:-1], (first - lift * np.asarray(y))[:-1], rtol=2e-3)
+    whole_span = y - 0.7  # the first station lies inboard of all the load
     root = section_loads(
-        y - 0.4, straight_axis(y - 0.4), lift_strips(edges, lambda s: 1e4 * jnp.sqrt(1 - (s / SPAN) ** 2))
+        whole_span,
+        straight_axis(whole_span),
+        lift_strips(edges, lambda s: 1e4 * jnp.sqrt(1 - (s / SPAN) ** 2)),
     )
-    centroid = (root.M[0] + 0.1 * root.V[0]) / root.V[0] / SPAN
-    assert float(centroid) == pytest.approx(value, rel=5e-3)
+    centroid = (root.M[0] / root.V[0] - 0.2) / SPAN
+    assert float(centroid) == pytest.approx(value, rel=1e-3)
 
 
 def test_signs_of_bending_and_torsion():
     y = jnp.linspace(0.0, SPAN, N)
     axis = straight_axis(y, x=2.0, z=1.0)
     lift_ahead = section_loads(y, axis, single([1.5, 5.0, 1.0], [0.0, 0.0, 100.0]))
-    np.testing.assert_allclose([lift_ahead.V[0], lift_ahead.M[0], lift_ahead.T[0]], [100.0, 500.0, 50.0], rtol=1e-9)
+    np.testing.assert_allclose(
+        [lift_ahead.V[0], lift_ahead.M[0], lift_ahead.T[0]], [100.0, 500.0, 50.0], rtol=1e-9
+    )
     # Thrust (forward, -x) below the axis turns the nose up; thrust bends the tip forward.
     thrust = section_loads(y, axis, single([0.0, 5.0, 0.7], [-100.0, 0.0, 0.0]))
     np.testing.assert_allclose([thrust.T[0], thrust.Mz[0], thrust.H[0]], [30.0, 500.0, -100.0], rtol=1e-9)
@@ -135,7 +142,7 @@ def test_loads_are_smooth_while_a_hub_crosses_a_station():
     assert np.max(np.abs(np.diff(slopes, axis=0))) < 20.0 < np.max(np.abs(slopes))
 
 
-def test_derivatives_by_everything():
+def test_derivatives_by_everything(check_derivatives):
     y = jnp.linspace(1.0, SPAN, N)
     edges = jnp.linspace(0.0, SPAN, 5)
 
@@ -146,16 +153,7 @@ def test_derivatives_by_everything():
         result = section_loads(y, axis, strips, inertia_load(mass, 2.5))
         return jnp.concatenate([result.V / 1e4, result.M / 1e4, result.T / 1e4])
 
-    p, h = jnp.asarray([0.3, 0.2, 0.7, 1.1, 0.4]), 1e-4
-    exact = jax.jit(jax.jacfwd(loads))(p)
-    steps = h * jnp.eye(5)
-
-    def central(k):
-        return jnp.stack([(loads(p + k * s) - loads(p - k * s)) / (2 * k * h) for s in steps], axis=1)
-
-    approx = (4 * central(1) - central(2)) / 3
-    np.testing.assert_allclose(exact, approx, atol=1e-6 * float(jnp.max(jnp.abs(exact))))
-    np.testing.assert_allclose(jax.jacrev(loads)(p), exact, atol=1e-12 * float(jnp.max(jnp.abs(exact))))
+    check_derivatives(loads, [0.3, 0.2, 0.7, 1.1, 0.4])
 
 
 def wing_case(hub=4.1, load_factor=2.5):
