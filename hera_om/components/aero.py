@@ -163,7 +163,7 @@ class AeroPlan:
     def outputs(self, aircraft) -> dict[str, tuple[int, ...]]:
         """Names and shapes of the outputs."""
         scalars = [*COEFFICIENTS, "L_over_D", "CDi", "CDi_near", "CD_slipstream", "CD_profile", "CD_fuselage", "CD_areas"]
-        scalars += ["lift_margin", "dynamic_pressure", "speed", "density", "coupling_residual"]
+        scalars += ["lift_margin", "dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
         scalars += [f"{c}_{by}" for c in COEFFICIENTS for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
         if self.groups:
@@ -189,6 +189,7 @@ _TEXTS: dict[str, dict[str, Any]] = {
     "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
     "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
     "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
+    "q_S": {"units": "N", "desc": "dynamic pressure times reference area"},
     "speed": {"units": "m/s", "desc": "true airspeed"},
     "density": {"units": "kg/m**3", "desc": "density of the air"},
     "rotor_hub": {"units": "m", "desc": "hubs of the starboard rotors, inner first within a group"},
@@ -231,7 +232,7 @@ def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Va
 def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
     """Outputs by name."""
     _, at, body = _setting(aircraft, statics, system, inputs)
-    out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow)
+    out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
     if at.rotors is not None:
         out |= _rotor_outputs(statics, result, at.rotors, at.flow)
     if aircraft.wing is not None:
@@ -270,11 +271,11 @@ def _drag(aircraft, result: AeroResult, body, flow) -> Values:
     }
 
 
-def _air(result: AeroResult, flow) -> Values:
+def _air(result: AeroResult, flow, body: Body) -> Values:
     """Stream and stall margin."""
     margin = jnp.minimum(result.lift_margin, 1e3)
     q = 0.5 * flow.density * flow.speed**2
-    out = {"lift_margin": margin, "dynamic_pressure": q, "speed": flow.speed, "density": flow.density}
+    out = {"lift_margin": margin, "dynamic_pressure": q, "speed": flow.speed, "density": flow.density, "q_S": q * body.S}
     return out | {"coupling_residual": result.residual}
 
 
@@ -297,11 +298,12 @@ def _rotor_outputs(statics: AeroPlan, result: AeroResult, rotors, flow) -> Value
 def _wing_outputs(system: System, result: AeroResult, flow) -> Values:
     """Section lift and dimensional loads of the wing's strips."""
     q = 0.5 * flow.density * flow.speed**2
-    wing = result.loads.wing
+    ns = system.wing_edges.shape[0] - 1
+    wing = jax.tree.map(lambda v: v[:ns], result.loads.surfaces)
     return {
-        "cl_span": result.cl_strips[0],
+        "cl_span": result.cl_strips[:ns],
         "y_span": wing.point[:, 1],
-        "strip_edge": system.panels[0].strip_edges[:, 1],
+        "strip_edge": system.wing_edges,
         "strip_point": wing.point,
         "strip_force": q * wing.force,
         "strip_moment": q * wing.moment,

@@ -4,20 +4,23 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Body, Flow, RotorPlan, Surface
-from hera_om.physics.coupling import SLIPSTREAM, Controls, Response, Setting, onset, respond
+from hera_om.physics.aero_cases import Body, Flow, RotorPlan, StripPolar, Surface
+from hera_om.physics.coupling import SLIPSTREAM, Controls, Response, Setting, onset, panel_layout, respond
 from hera_om.physics.disks import Wake, slipstreams
-from hera_om.physics.lattice import filament_strengths, solve
+from hera_om.physics.lattice import Lattice, solve
 from hera_om.physics.lattice_forces import (
     StripLoads,
     filament_force_change,
     filament_forces,
+    filament_strengths,
     half_resultant,
     strip_loads,
     trefftz,
 )
+from hera_om.physics.layout import Layout
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import RotorSolution
 
@@ -48,7 +51,7 @@ class DragParts(NamedTuple):
 class Loads(NamedTuple):
     """Loads for the structure, starboard half, over dynamic pressure; and the rotors."""
 
-    wing: StripLoads | None
+    surfaces: StripLoads | None  # strips of all surfaces, wing first
     rotors: RotorSolution | None
 
 
@@ -61,7 +64,7 @@ class AeroResult(NamedTuple):
     alphadot: Coefficients  # by alphadot c / 2V
     drag: DragParts
     lift_margin: Array  # least of cl_max - |cl| over the strips
-    cl_strips: list[Array]  # section lift coefficients by surface, on the local dynamic pressure
+    cl_strips: Float[Array, " s"]  # section lift coefficients on the local dynamic pressure, wing first
     loads: Loads
     wake: Wake | None
     residual: Array  # of the coupling, over the flight speed
@@ -101,13 +104,14 @@ def evaluate(
     Returns:
         AeroResult.
     """
-    n, size = flat.shape[0], x.theta.shape[0]
+    n, size, lay = flat.shape[0], x.theta.shape[0], panel_layout(surfaces)
+    polar = _strip_polars(surfaces, lay)
     state = jnp.concatenate([flat, jnp.stack([x.alpha, x.q_hat, x.delta_e]), x.theta])
 
     def forces(v):
         here = Controls(v[n], v[n + 1], v[n + 2], v[n + 3 : n + 3 + size])
         answer = respond(v[:n], here, at, plan, phi)
-        total, rest = _coefficients(here, answer, surfaces, at=at, plan=plan, body=body)
+        total, rest = _coefficients(here, answer, polar, at=at, plan=plan, body=body, lay=lay)
         thrust = jnp.zeros(0) if answer.loads is None else answer.loads.thrust
         return (answer.flat, total, thrust, answer.gamma), (answer, total, rest)
 
@@ -118,9 +122,9 @@ def evaluate(
         join = lambda d: d[..., n:] + d[..., :n] @ shift  # noqa: E731
     else:
         jacobian, join = jnp.zeros((0, 0)), lambda d: d
+    drag, cl, margin, wing, local = rest
     by, thrust_by, gamma_by = jax.tree.map(join, (by, thrust_by, gamma_by))
-    alphadot = _alphadot(x, answer, gamma_by[:, 0], at=at, plan=plan, body=body, tail=tail)
-    drag, cl, margin, wing = rest
+    alphadot = _alphadot(local, x, answer, gamma_by[:, 0], at=at, body=body, tail=tail, lay=lay)
     residual = jnp.max(jnp.abs(answer.flat - flat), initial=0.0)
     inverse = jnp.linalg.inv(jacobian) if n else jacobian
     return AeroResult(
@@ -128,30 +132,28 @@ def evaluate(
     )
 
 
-def _coefficients(x: Controls, answer: Response, surfaces, *, at: Setting, plan, body: Body):
+def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setting, plan, body: Body, lay: Layout):
     """Coefficients and everything that hangs on the same forces."""
     flow, system = at.flow, at.system
     stream, up = _wind_axes(x.alpha)
-    force = moment = profile_force = jnp.zeros(3)
-    cl, margin, wing = [], jnp.asarray(jnp.inf), None
+    force = moment = profile_force = local = jnp.zeros(3)
+    cl, margin, wing = jnp.zeros(0), jnp.asarray(jnp.inf), None
     induced = slip = trace = jnp.zeros(())
     if system.lattice is not None:
-        lattice, panels = system.lattice, system.panels
-        base = onset(lattice.bound_points, x, c=at.c, point=flow.point)
-        wash = jnp.zeros_like(base)
+        lattice = system.lattice
+        wash = jnp.zeros_like(lattice.points)
         if plan is not None:
-            wash = SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.bound_points)
-        on_filaments = filament_forces(lattice, panels, answer.gamma, base + wash)
-        loads = strip_loads(panels, lattice, on_filaments)
-        drags, cl, margin = _profile(panels, surfaces, loads, base + wash, flow)
-        both = [jax.tree.map(jnp.add, a, b) for a, b in zip(loads, drags, strict=True)]
-        force, moment = half_resultant(both, flow.point)
-        profile_force, _ = half_resultant(drags, flow.point)
-        wing = both[0]
-        by_wash = jnp.cross(wash, lattice.bound_arms) @ stream
-        slip = 4.0 * filament_strengths(panels, answer.gamma) @ by_wash / body.S
+            wash = SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.points)
+        local = onset(lattice.points, x, c=at.c, point=flow.point) + wash
+        loads = strip_loads(lattice, lay, filament_forces(lattice, lay, answer.gamma, local))
+        drag, cl, margin = _profile(lattice, lay, loads, local, polar, flow)
+        wing = loads._replace(force=loads.force + drag)
+        force, moment = half_resultant(wing, flow.point)
+        profile_force, _ = half_resultant(loads._replace(force=drag), flow.point)
+        by_wash = jnp.cross(wash, lattice.arms) @ stream
+        slip = 4.0 * filament_strengths(lay, answer.gamma) @ by_wash / body.S
         induced = (force - profile_force) @ stream / body.S - slip
-        trace = trefftz(panels, answer.gamma)[1] / body.S
+        trace = trefftz(lattice, lay, answer.gamma)[1] / body.S
     area_force, area_moment = _areas(body, answer, stream, flow)
     force, moment = force + area_force, moment + area_moment
     everything, cm = force / body.S, moment[1] / (body.S * body.c) + body.munk_slope * x.alpha
@@ -160,8 +162,8 @@ def _coefficients(x: Controls, answer: Response, surfaces, *, at: Setting, plan,
         q_S = 0.5 * flow.density * flow.speed**2 * body.S
         everything, cm = everything + hub_force / q_S, cm + hub_moment[1] / (q_S * body.c)
     total = Coefficients(force @ up / body.S, force @ stream / body.S, everything[0], everything[2], cm)
-    drag = DragParts(trace, induced, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
-    return total, (drag, cl, margin, wing)
+    parts = DragParts(trace, induced, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
+    return total, (parts, cl, margin, wing, local)
 
 
 def _wind_axes(alpha):
@@ -170,28 +172,31 @@ def _wind_axes(alpha):
     return jnp.stack([jnp.cos(alpha), zero, jnp.sin(alpha)]), jnp.stack([-jnp.sin(alpha), zero, jnp.cos(alpha)])
 
 
-def _profile(panels, surfaces, loads, velocity, flow):
-    """Profile drag of every strip in its own stream, section lift coefficients, and the least margin to cl_max."""
-    out, cls, margin, start = [], [], jnp.inf, 0
-    for panel, surface, load in zip(panels, surfaces, loads, strict=True):
-        nc, ns = panel.collocation.shape[:2]
-        local = jnp.mean(velocity[start : start + nc * ns].reshape(nc, ns, 3), axis=0)
-        start += nc * (2 * ns + 1)
-        q = jnp.sum(local**2, axis=-1)
-        edge = panel.strip_edges[1:] - panel.strip_edges[:-1]
-        up = jnp.cross(local, edge)
-        up = up / jnp.linalg.norm(up, axis=-1, keepdims=True)
-        area = panel.strip_chord * panel.strip_width
-        cl = jnp.sum(load.force * up, axis=-1) / (q * area)
-        p = surface.polar
-        scale = jnp.where(flow.speed > 0, flow.density * flow.speed / flow.viscosity, p.re / panel.strip_chord[0])
-        reynolds = scale * jnp.sqrt(q) * panel.strip_chord
-        cd = section_profile_drag(cl, reynolds, cd_min=p.cd_min, cl_at_cd_min=p.cl_at_cd_min, k=p.k, re_ref=p.re)
-        drag = (cd * jnp.sqrt(q) * area)[:, None] * local
-        out.append(StripLoads(jnp.zeros_like(drag), drag, jnp.zeros_like(drag)))
-        cls.append(cl)
-        margin = jnp.minimum(margin, p.cl_max - jnp.max(jnp.abs(cl)))
-    return out, cls, margin
+def _strip_polars(surfaces: list[Surface], lay: Layout) -> StripPolar:
+    """Polars of all strips, one array a number."""
+    rows = [jax.tree.map(lambda v, k=k: jnp.full(k, v), s.polar) for s, k in zip(surfaces, lay.strips, strict=True)]
+    return jax.tree.map(lambda *parts: jnp.concatenate(parts), *rows) if rows else StripPolar(*[jnp.zeros(0)] * 5)
+
+
+def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polar: StripPolar, flow: Flow):
+    """Profile drag of every strip in its own stream, section lift coefficients, and the least margin to cl_max.
+
+    The stream of a strip is the mean over its bound filaments, without the lattice's own induction.
+    """
+    bound = np.flatnonzero(lay.share == 1.0)
+    rows = np.bincount(lay.inner[bound])[:, None]
+    local = jnp.zeros_like(loads.force).at[lay.inner[bound]].add(velocity[bound]) / rows
+    q = jnp.sum(local**2, axis=-1)
+    up = jnp.cross(local, lattice.strip_edge)
+    up = up / jnp.linalg.norm(up, axis=-1, keepdims=True)
+    area = lattice.strip_chord * lattice.strip_width
+    cl = jnp.sum(loads.force * up, axis=-1) / (q * area)
+    scale = jnp.where(flow.speed > 0, flow.density * flow.speed / flow.viscosity, polar.re / lattice.strip_chord)
+    reynolds = scale * jnp.sqrt(q) * lattice.strip_chord
+    cd = section_profile_drag(
+        cl, reynolds, cd_min=polar.cd_min, cl_at_cd_min=polar.cl_at_cd_min, k=polar.k, re_ref=polar.re
+    )
+    return (cd * jnp.sqrt(q) * area)[:, None] * local, cl, jnp.min(polar.cl_max - jnp.abs(cl))
 
 
 def _areas(body: Body, answer: Response, stream, flow: Flow):
@@ -216,22 +221,18 @@ def _hub_loads(rotors, plan, answer: Response, flow: Flow):
     return keep * jnp.sum(force, axis=0), (2.0 - keep) * jnp.sum(about, axis=0)
 
 
-def _alphadot(x: Controls, answer: Response, gamma_alpha, *, at: Setting, plan, body: Body, tail):
+def _alphadot(local, x: Controls, answer: Response, gamma_alpha, *, at: Setting, body: Body, tail, lay: Layout):
     """Derivatives by alphadot c / 2V: the tail meets the downwash of a wing that was at alpha - alphadot dx / V."""
     if tail is None or at.system.lattice is None:
         return Coefficients(*[jnp.zeros(())] * 5)
-    lattice, panels, flow = at.system.lattice, at.system.panels, at.flow
-    counts = [p.collocation.shape[0] * p.collocation.shape[1] for p in panels]
-    first, last = sum(counts[:tail]), sum(counts[: tail + 1])
-    distance = lattice.collocation[first:last, 0] - jnp.mean(panels[0].strip_edges[:, 0])
-    downwash = lattice.matrix[first:last, : counts[0]] @ gamma_alpha[: counts[0]]
+    lattice, flow, wing = at.system.lattice, at.flow, lay.counts[0]
+    first, last = sum(lay.counts[:tail]), sum(lay.counts[: tail + 1])
+    distance = lattice.collocation[first:last, 0] - jnp.mean(lattice.strip_point[: lay.strips[0], 0])
+    downwash = lattice.matrix[first:last, :wing] @ gamma_alpha[:wing]
     late = DOWNWASH_LAG * 2.0 * distance / body.c * downwash
     response = solve(lattice, jnp.zeros_like(answer.gamma).at[first:last].set(late))
-    base = onset(lattice.bound_points, x, c=at.c, point=flow.point)
-    if plan is not None:
-        base = base + SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.bound_points)
-    change = filament_force_change(lattice, panels, answer.gamma, base, response)
-    force, moment = half_resultant(strip_loads(panels, lattice, change), flow.point)
+    change = filament_force_change(lattice, lay, answer.gamma, local, response)
+    force, moment = half_resultant(strip_loads(lattice, lay, change), flow.point)
     stream, up = _wind_axes(x.alpha)
     force = force / body.S
     return Coefficients(force @ up, force @ stream, force[0], force[2], moment[1] / (body.S * body.c))

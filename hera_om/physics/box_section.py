@@ -60,7 +60,7 @@ class StringerSection(NamedTuple):
 
 
 class Section(NamedTuple):
-    """Properties about the horizontal axis at n stations; first moments (m3, magnitudes) for the shear flow."""
+    """Properties about the horizontal axis at n stations; first moments, m3, for the shear flow."""
 
     area: Float[Array, "n"]
     z_centroid: Float[Array, "n"]

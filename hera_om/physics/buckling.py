@@ -63,7 +63,7 @@ def k_shear(a_over_b: ArrayLike) -> Float[Array, "..."]:
 def plate_stress(
     k: ArrayLike, t: ArrayLike, b: ArrayLike, *, modulus: ArrayLike, poisson: ArrayLike
 ) -> Float[Array, "..."]:
-    """Critical stress k pi^2 E / (12 (1 - nu^2)) (t / b)^2 of a plate of width b. Timoshenko & Gere 2e, 9-7."""
+    """Critical stress k pi^2 E / (12 (1 - nu^2)) (t / b)^2 of a plate. Timoshenko & Gere 2e, 9-7."""
     flexural = jnp.pi**2 * modulus / (12.0 * (1.0 - jnp.square(poisson)))
     return k * flexural * jnp.square(t / b)
 

@@ -12,8 +12,9 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors, Surface
 from hera_om.physics.disks import Wake, disk_points, rotor_loads, slipstreams
-from hera_om.physics.geometry import CAMBER, Panels, make_panels
-from hera_om.physics.lattice import Lattice, assemble, prandtl_glauert, solve, velocity_influence
+from hera_om.physics.geometry import CAMBER, make_panels
+from hera_om.physics.lattice import Lattice, assemble, solve
+from hera_om.physics.layout import Layout, layout
 from hera_om.physics.rotor import RotorSolution
 
 TOLERANCE = 1e-12  # of the induced velocities over the flight speed
@@ -27,9 +28,9 @@ UPWASH = 1.0
 class System(NamedTuple):
     """Everything that does not depend on incidence, rates, controls or blade pitch."""
 
-    panels: list[Panels]
     lattice: Lattice | None
     disk_velocity: Array | None  # [m nr npsi 3 n] velocity at the blade elements per unit circulation
+    wing_edges: Array | None  # [ns + 1] y of the edges of the first surface's strips, m
 
 
 def split_factors(system: System) -> tuple[System, tuple]:
@@ -82,13 +83,18 @@ def make_system(surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan 
     """Panels, factorised lattice, and its influence on the disks."""
     panels = [make_panels(s.sections, s.grid, shape) for s in surfaces]
     if not panels:
-        return System(panels, None, None)
-    lattice = assemble(panels, mach)
+        return System(None, None, None)
+    edges = panels[0].strip_edges[:, 1]
     if rotors is None or plan is None:
-        return System(panels, lattice, None)
+        return System(assemble(panels, mach)[0], None, edges)
     points = disk_points(rotors, plan)
-    upwash = velocity_influence(points.reshape(-1, 3), panels, prandtl_glauert(mach))
-    return System(panels, lattice, upwash.reshape(*points.shape[:3], 3, -1))
+    lattice, upwash = assemble(panels, mach, points.reshape(-1, 3))
+    return System(lattice, upwash.reshape(*points.shape[:3], 3, -1), edges)
+
+
+def panel_layout(surfaces: list[Surface]) -> Layout:
+    """Index arrays of the surfaces' panels."""
+    return layout([(s.grid.xi.shape[0] - 1, s.grid.middle.shape[0]) for s in surfaces])
 
 
 def onset(points, x: Controls, *, c, point) -> Float[Array, "... 3"]:

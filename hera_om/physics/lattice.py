@@ -23,16 +23,22 @@ MIRROR = (1.0, -1.0, 1.0)
 
 
 class Lattice(NamedTuple):
-    """Assembled lattice: points, filaments and the influence of the unknowns on them."""
+    """Assembled lattice of n panels, e loaded filaments, s strips and t trailing nodes, all surfaces in one row."""
 
     collocation: Float[Array, "n 3"]
     normal: Float[Array, "n 3"]
     normal_hinge: Float[Array, "n 3"]
-    bound_points: Float[Array, "e 3"]  # middles of the bound and chordwise filaments of all surfaces
-    bound_arms: Float[Array, "e 3"]  # their vectors, m
+    points: Float[Array, "e 3"]  # points of attack of the filaments, in the order of `layout.Layout`
+    arms: Float[Array, "e 3"]  # vectors of the filaments, m
+    strip_point: Float[Array, "s 3"]  # quarter-chord points of the strips
+    strip_edge: Float[Array, "s 3"]  # vectors along their quarter-chord lines
+    strip_chord: Float[Array, " s"]
+    strip_width: Float[Array, " s"]
+    trail: Float[Array, "t 2"]  # y and z of the trailing nodes
+    trail_middle: Float[Array, "s 2"]
     matrix: Float[Array, "n n"]  # normal velocity at the collocation points
     lu: tuple  # factors and pivots; no derivatives
-    velocity: Float[Array, "e 3 n"]  # velocity at bound_points per unit unknown
+    velocity: Float[Array, "e 3 n"]  # velocity at ``points`` per unit unknown
 
 
 def prandtl_glauert(mach):
@@ -40,25 +46,48 @@ def prandtl_glauert(mach):
     return jnp.sqrt(1.0 - mach**2)
 
 
-def assemble(surfaces: list[Panels], mach) -> Lattice:
-    """Influence matrices and factorisation of a lattice, ``n`` panels and ``e`` loaded filaments in all.
+def shapes(surfaces: list[Panels]) -> list[tuple[int, int]]:
+    """Chordwise and spanwise panels of each surface."""
+    return [s.collocation.shape[:2] for s in surfaces]
+
+
+def assemble(surfaces: list[Panels], mach, elsewhere: Float[Array, "p 3"] | None = None) -> tuple[Lattice, Array]:
+    """Influence matrices and factorisation of a lattice.
 
     Args:
         surfaces: starboard halves, each from the plane of symmetry outwards.
         mach: Mach number, below 1.
+        elsewhere: further points whose velocities are wanted, m.
 
     Returns:
-        Lattice.
+        Lattice, and the velocity at the further points per unit unknown [p, 3, n].
     """
-    collocation = _stack(surfaces, "collocation")
-    normal = _stack(surfaces, "normal")
-    middles, vectors = zip(*(_filament_vectors(s) for s in surfaces), strict=True)
-    points, lines = jnp.concatenate(middles), jnp.concatenate(vectors)
-    beta = prandtl_glauert(mach)
-    matrix = normal_influence(collocation, normal, surfaces, beta)
-    lu = lu_factor(jax.lax.stop_gradient(matrix))
-    velocity = velocity_influence(points, surfaces, beta)
-    return Lattice(collocation, normal, _stack(surfaces, "normal_hinge"), points, lines, matrix, lu, velocity)
+    collocation, normal = _stack(surfaces, "collocation"), _stack(surfaces, "normal")
+    attack, vectors = zip(*(_filament_vectors(s) for s in surfaces), strict=True)
+    points, lines = jnp.concatenate(attack), jnp.concatenate(vectors)
+    extra = jnp.zeros((0, 3)) if elsewhere is None else elsewhere
+    n, e = collocation.shape[0], points.shape[0]
+    everywhere = velocity_influence(jnp.concatenate([collocation, points, extra]), surfaces, prandtl_glauert(mach))
+    matrix = jnp.einsum("pi,pin->pn", normal, everywhere[:n])
+    edges = [s.strip_edges for s in surfaces]
+    trail = [s.rings[-1, :, 1:] for s in surfaces]
+    lattice = Lattice(
+        collocation,
+        normal,
+        _stack(surfaces, "normal_hinge"),
+        points,
+        lines,
+        jnp.concatenate([between(q[:-1], q[1:], s.middle) for q, s in zip(edges, surfaces, strict=True)]),
+        jnp.concatenate([q[1:] - q[:-1] for q in edges]),
+        jnp.concatenate([s.strip_chord for s in surfaces]),
+        jnp.concatenate([s.strip_width for s in surfaces]),
+        jnp.concatenate(trail),
+        jnp.concatenate([between(q[:-1], q[1:], s.middle) for q, s in zip(trail, surfaces, strict=True)]),
+        matrix,
+        lu_factor(jax.lax.stop_gradient(matrix)),
+        everywhere[n : n + e],
+    )
+    return lattice, everywhere[n + e :]
 
 
 def solve(lattice: Lattice, rhs: Float[Array, "n *m"]) -> Float[Array, "n *m"]:
@@ -70,38 +99,17 @@ def solve(lattice: Lattice, rhs: Float[Array, "n *m"]) -> Float[Array, "n *m"]:
     return jax.lax.custom_linear_solve(lambda g: lattice.matrix @ g, rhs, by_lu(0), transpose_solve=by_lu(1))
 
 
-def normal_influence(points, normals, surfaces: list[Panels], beta) -> Float[Array, "p n"]:
-    """Velocity along ``normals`` at ``points`` per unit ring circulation, both halves."""
-    return influence(points, normals[None], surfaces, beta)[0]
-
-
 def velocity_influence(points, surfaces: list[Panels], beta) -> Float[Array, "p 3 n"]:
-    """Velocity vectors at ``points`` per unit ring circulation, both halves."""
-    axes = jnp.broadcast_to(jnp.eye(3)[:, None, :], (3, points.shape[0], 3))
-    return jnp.moveaxis(influence(points, axes, surfaces, beta), 0, 1)
+    """Velocity vectors at ``points`` per unit ring circulation, both halves.
 
-
-def influence(points, directions: Float[Array, "m p 3"], surfaces: list[Panels], beta) -> Float[Array, "m p n"]:
-    """Velocity at ``points`` along m directions per unit ring circulation, both halves."""
-    total = 0.0
-    for flip in (jnp.ones(3), jnp.asarray(MIRROR)):
-        p, d = points * flip * _stretch(beta), directions * flip * _stretch(beta)
-        weights = jnp.concatenate([jnp.cross(d, jnp.broadcast_to(p, d.shape)), d], axis=-1)
-        total = total + jnp.concatenate([_rings(*_project(weights, p, s, beta)) for s in surfaces], axis=-1)
-    return total
-
-
-def filament_strengths(surfaces: list[Panels], gamma: Float[Array, " n"]) -> Float[Array, " e"]:
-    """Net circulation of the bound and chordwise filaments, in the order of ``Lattice.bound_points``."""
-    out, start = [], 0
-    for s in surfaces:
-        nc, ns = s.collocation.shape[:2]
-        ring = gamma[start : start + nc * ns].reshape(nc, ns)
-        start += nc * ns
-        bound = jnp.diff(ring, axis=0, prepend=0.0)
-        chordwise = -jnp.diff(ring, axis=1, prepend=0.0, append=0.0)
-        out += [bound.ravel(), chordwise.at[:, 0].set(0.0).ravel()]
-    return jnp.concatenate(out)
+    The image of a half is the mirrored velocity at the mirrored point, so both come from one call of the kernel.
+    """
+    count, mirror = points.shape[0], jnp.asarray(MIRROR)
+    p = jnp.concatenate([points, points * mirror]) * _stretch(beta)
+    axes = jnp.broadcast_to((jnp.eye(3) * _stretch(beta))[:, None, :], (3, *p.shape))
+    weights = jnp.concatenate([jnp.cross(axes, jnp.broadcast_to(p, axes.shape)), axes], axis=-1)
+    both = jnp.concatenate([_rings(*_project(weights, p, s, beta)) for s in surfaces], axis=-1)
+    return jnp.moveaxis(both[:, :count] + both[:, count:] * mirror[:, None, None], 0, 1)
 
 
 def _stretch(beta):

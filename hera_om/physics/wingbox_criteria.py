@@ -71,20 +71,26 @@ def box_state(model: BoxModel, t: Float[Array, "4 n"]) -> BoxState:
 def _direct_share(
     stress: Float[Array, "..."], allowable: ScalarLike, reserve: ScalarLike
 ) -> Float[Array, "..."]:
-    """Positive direct stress over its allowable, at most ``DIRECT_SHARE`` of what the reserve factor leaves."""
+    """Positive direct stress over its allowable, at most ``DIRECT_SHARE`` of 1 / reserve."""
     share = positive_part(stress / allowable, SMOOTH_WIDTH)
     return smooth_below(share, DIRECT_SHARE / reserve, SMOOTH_WIDTH)
 
 
 def _von_mises_use(
-    direct: Float[Array, "..."], shear: Float[Array, "..."], model: BoxModel
-) -> Float[Array, "..."]:
-    """Utilisation in von Mises stress, tension against F_tu and compression against F_cy, along axis 1."""
+    direct: Float[Array, "4 a n"], shear: Float[Array, "4 a n"], model: BoxModel
+) -> Float[Array, "4 b n"]:
+    """Utilisation in von Mises stress, tension against F_tu and compression against F_cy, along axis 1.
+
+    s^2 + 3 tau^2 = (F / RF)^2 is asked as sqrt(3) tau over the sqrt((F / RF)^2 - s^2) left to it: one at
+    the same thickness, but never flat where bending takes most of the allowable, which Newton's method
+    would not stand.
+    """
     material, reserve = model.material, model.concept.reserve
     pulled = _direct_share(direct, material.F_tu, reserve)
     pressed = _direct_share(-direct, material.F_cy, reserve)
+    left = jnp.sqrt(1.0 - jnp.square(reserve * jnp.concatenate([pulled, pressed], axis=1)))
     shares = jnp.concatenate([shear / material.F_tu, shear / material.F_cy], axis=1)
-    return reserve * buckling.von_mises(jnp.concatenate([pulled, pressed], axis=1), 0.0, shares)
+    return reserve * buckling.von_mises(0.0, 0.0, shares) / left
 
 
 def cover_buckling_use(
@@ -106,7 +112,7 @@ def cover_buckling_use(
 
 
 def web_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 case n"]:
-    """Utilisation of the webs, unstiffened between ribs, in shear with in-plane bending: R_b^2 + R_s^2 = 1."""
+    """Utilisation of the webs, unstiffened between ribs, in shear and in-plane bending: R_b^2 + R_s^2 = 1."""
     square = jnp.square(t[2:, None])
     r_b = state.web_direct / (model.critical.web_bending * square)
     r_s = state.web_shear[:, 1] / (model.critical.web_shear * square)

@@ -45,7 +45,8 @@ def box_mass(
     inboard = points[0, 1]
     centre = jnp.sum(per_length[:, 0]) * inboard
     moment = jnp.sum(per_length, axis=0) * lengths @ points + centre * points[0] * jnp.array([1.0, 0.5, 1.0])
-    return BoxMass(*(2.0 * half), 2.0 * centre), moment / (jnp.sum(half) + centre)
+    skins, webs, caps, stringers, ribs = 2.0 * half
+    return BoxMass(skins, webs, caps, stringers, ribs, 2.0 * centre), moment / (jnp.sum(half) + centre)
 
 
 def round_up_to_increment(

@@ -27,7 +27,7 @@ class Material(NamedTuple):
 
 
 class BoxConcept(NamedTuple):
-    """Concept of the box: spars as chord fractions, pitches and sheet limits in m, required reserve factor."""
+    """Concept of the box: spars as chord fractions, pitches and sheet limits in m, reserve factor."""
 
     front_spar: ScalarLike
     rear_spar: ScalarLike
@@ -41,14 +41,14 @@ class BoxConcept(NamedTuple):
 class BoxGeometry(NamedTuple):
     """Wing at n stations from the fuselage joint to the tip.
 
-    ``axis_fraction`` is the chord fraction of the axis about which the torque is given; 0.38 lies near the
-    shear centre of a box between 0.15 and 0.62.
+    ``axis_fraction`` is the chord fraction of the axis about which the torque is given; 0.35 is near the
+    shear centre of a sized box between 0.15 and 0.62 (0.349 to 0.363).
     """
 
     leading_edge: Float[Array, "n 3"]
     chord: Float[Array, "n"]
     thickness_ratio: Float[Array, "n"]
-    axis_fraction: ScalarLike = 0.38
+    axis_fraction: ScalarLike = 0.35
 
 
 class BoxLoads(NamedTuple):
@@ -82,7 +82,7 @@ class BoxModel(NamedTuple):
 
 
 class BoxMass(NamedTuple):
-    """Mass in kg of both half wings by part; the centre section joins them with the first station's sheets."""
+    """Mass in kg of both half wings by part; the centre section has the first station's sheets."""
 
     skins: Float[Array, ""]
     webs: Float[Array, ""]

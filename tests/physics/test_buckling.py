@@ -83,7 +83,7 @@ def test_johnson_meets_euler_smoothly():
 
 
 def test_gerard_crippling_by_hand():
-    # 7075-T6, A / t^2 = 60: (71.7e9 / 469e6)^(1/3) = 5.3470; / 60 = 0.089117; ^0.75 = 0.163107; x 3.2 = 0.52194
+    # 7075-T6, A / t^2 = 60: (E / F_cy)^(1/3) = 5.3470; / 60 = 0.089117; ^0.75 = 0.163107; x 3.2 = 0.52194
     stress = buckling.crippling_stress(60.0, modulus=71.7e9, f_cy=469e6)
     assert float(stress) == pytest.approx(0.52194 * 469e6, rel=1e-3)
     assert float(buckling.crippling_stress(5.0, modulus=71.7e9, f_cy=469e6)) == pytest.approx(0.9 * 469e6)

@@ -148,6 +148,20 @@ def test_every_sheet_is_just_used_up_over_the_whole_box(wing, material, dry):
             assert float(jnp.min(result.t_rib)) >= CONCEPT.t_min
 
 
+def test_sizing_converges_for_random_loads_and_areas(wing, material, dry):
+    random = np.random.default_rng(0)
+    for _ in range(60):
+        v, m, t = random.uniform(0.3, 1.8, 3)
+        loads = BoxLoads(dry.V * v, dry.M * m, dry.T * 3 * t)
+        areas = {"cap": random.uniform(1e-3, 5e-3), "stringer": random.uniform(1e-4, 6e-4)}
+        assert float(jnp.max(jnp.abs(sized(wing, material, loads, **areas).worst_excess))) < 1e-7, (
+            v,
+            m,
+            t,
+            areas,
+        )
+
+
 def test_reserve_factors_cross_the_requirement_inside_the_box(wing, material, dry, aircraft):
     bounds = aircraft["design_variables"]
     required = aircraft["mission"]["reserve_factor"]

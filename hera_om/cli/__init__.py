@@ -1,0 +1,3 @@
+"""The command line over studies and post. Nothing heavy is imported before a command runs."""
+
+from hera_om.cli.app import main as main

@@ -1,0 +1,126 @@
+"""Groups: a trimmed flight point, and the whole aircraft with its feedbacks closed."""
+
+import openmdao.api as om
+
+from hera_om.aircraft.definition import Aircraft
+from hera_om.components.aero import Aerodynamics
+from hera_om.components.mass import MassProperties
+from hera_om.components.performance import Performance
+from hera_om.components.stability import Stability
+from hera_om.components.trim import TrimBalance
+from hera_om.components.wingbox import WingBox
+from hera_om.models.trim_solver import TrimNewton
+
+MASS_TOLERANCE = 1e-9  # kg: the loop of wing mass, balance and loads
+MAX_SWEEPS = 40
+LOAD_NAMES = ("strip_edge", "strip_point", "strip_force", "strip_moment")
+ROTOR_NAMES = ("rotor_hub", "rotor_force", "rotor_moment")
+
+
+class TrimPoint(om.Group):
+    """Aerodynamics and the balance that its states close, at one load factor."""
+
+    def initialize(self) -> None:
+        """Declare options."""
+        self.options.declare("aircraft", types=Aircraft, desc="definition of the aircraft")
+        self.options.declare("aero", default="lattice", desc="'lattice', or a SurrogateSet that replaces it")
+        self.options.declare("powered", types=bool, default=True, desc="balance thrust too, by blade pitch")
+        self.options.declare("load_factor", types=float, default=1.0, desc="load factor")
+
+    def setup(self) -> None:
+        """Two components and Newton's method."""
+        aircraft = self.options["aircraft"]
+        aero = aerodynamics(aircraft, self.options["aero"])
+        balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"])
+        self.add_subsystem("aero", aero, promotes=["*"])
+        self.add_subsystem("balance", balance, promotes=["*"])
+        self.set_input_defaults("load_factor", val=self.options["load_factor"])
+        self.nonlinear_solver = TrimNewton(aero, balance)
+        self.linear_solver = om.DirectSolver()
+
+
+def aerodynamics(aircraft: Aircraft, aero):
+    """The lattice, or the surrogate that stands in for it."""
+    if aero == "lattice":
+        return Aerodynamics(aircraft=aircraft)
+    from hera_om.components.surrogate import SurrogateAerodynamics
+
+    return SurrogateAerodynamics(aircraft=aircraft, surrogate=aero)
+
+
+class TrimmedAircraft(om.Group):
+    """Mass properties, trimmed cruise, trimmed pull-up, wing box, stability and performance.
+
+    The cruise's variables carry their registry names; the pull-up's stand under ``pullup``. In the pull-up the blade
+    pitch stays as in the cruise and only lift and moment are balanced. The mass of the wing feeds back on balance and
+    on the relief of its loads; the group's Gauss-Seidel iteration closes that loop.
+    """
+
+    def initialize(self) -> None:
+        """Declare options."""
+        self.options.declare("aircraft", types=Aircraft, desc="definition of the aircraft")
+        self.options.declare("aero", default="lattice", desc="'lattice', or a SurrogateSet that replaces it")
+        self.options.declare("remainder", types=float, default=0.0, desc="frozen part of the wing's mass, kg")
+        self.options.declare("close_mass", types=bool, default=True, desc="feed the sized wing mass back")
+
+    def setup(self) -> None:
+        """Disciplines in the order of the data flow."""
+        aircraft, aero = self.options["aircraft"], self.options["aero"]
+        boxed = has_box(aircraft)
+        self.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
+        self._point("cruise", aero, mass="mass_cruise", powered=bool(aircraft.rotor), load_factor=1.0)
+        if boxed:
+            n = aircraft.mission.limit_load_factor
+            self._point("pullup", aero, mass="mass", powered=False, load_factor=n)
+            self._box(aircraft)
+        self.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
+        if aircraft.mission is not None:
+            self.add_subsystem("performance", Performance(aircraft=aircraft), promotes=["*"])
+        self.nonlinear_solver = om.NonlinearBlockGS(
+            maxiter=MAX_SWEEPS, atol=MASS_TOLERANCE, rtol=1e-99, iprint=-1, err_on_non_converge=True
+        )
+        self.linear_solver = om.DirectSolver()
+
+    def _point(self, name: str, aero, *, mass: str, powered: bool, load_factor: float) -> None:
+        """A trim point; only the cruise's outputs are promoted."""
+        aircraft = self.options["aircraft"]
+        point = TrimPoint(aircraft=aircraft, aero=aero, powered=powered, load_factor=load_factor)
+        shared = ["mach", "altitude", "x_cg", "z_cg", "q_hat", *aero_variables(aircraft)]
+        if not powered:
+            shared += [f"theta_{r.name}" for r in aircraft.rotor]
+        promotes = [*shared, ("mass", mass)]
+        outputs = ["*"] if name == "cruise" else None
+        self.add_subsystem(name, point, promotes_inputs=promotes, promotes_outputs=outputs)
+
+    def _box(self, aircraft: Aircraft) -> None:
+        """The wing box between the two trim points and the mass properties."""
+        box = WingBox(aircraft=aircraft, remainder=self.options["remainder"])
+        inputs = box_variables(aircraft)
+        closed = self.options["close_mass"]
+        outputs = ["*"] if closed else [("m_wing", "m_wing_sized"), "m_*", "RF*", "t_*", "box_*", "shear", "bending", "torsion"]
+        relief = [("m_wing_relief", "m_wing")]
+        self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, *relief], promotes_outputs=outputs)
+        for name in (*LOAD_NAMES, *(ROTOR_NAMES if aircraft.rotor else ())):
+            self.connect(name, f"wing_box.cruise_{name}")
+            self.connect(f"pullup.{name}", f"wing_box.pullup_{name}")
+
+
+def has_box(aircraft: Aircraft) -> bool:
+    """Whether the wing is sized."""
+    return aircraft.wing is not None and aircraft.wing.structure is not None and aircraft.mission is not None
+
+
+def _read(aircraft: Aircraft, component) -> list[str]:
+    """Design variables that a component class reads."""
+    reads = component.READS
+    return [v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)]
+
+
+def aero_variables(aircraft: Aircraft) -> list[str]:
+    """Design variables of the aerodynamics."""
+    return _read(aircraft, Aerodynamics)
+
+
+def box_variables(aircraft: Aircraft) -> list[str]:
+    """Design variables of the wing box."""
+    return _read(aircraft, WingBox)

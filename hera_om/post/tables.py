@@ -1,0 +1,168 @@
+"""The record of a run as pandas frames; numbers keep the units that the registry gives them."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from hera_om.core.registry import quantity
+from hera_om.post.read import Run, Snapshot, as_run
+
+Source = str | Path | Run
+
+DRAG_PARTS = {
+    "CDi_near": "induced, near field",
+    "CD_slipstream": "slipstream",
+    "CD_profile": "profile",
+    "CD_fuselage": "fuselage",
+    "CD_areas": "fixed areas",
+}
+"""What the drag coefficient is the sum of."""
+
+WING_PARTS = {
+    "m_skins": "skins",
+    "m_webs": "spar webs",
+    "m_caps": "spar caps",
+    "m_stringers": "stringers",
+    "m_ribs": "ribs",
+    "m_secondary": "secondary structure",
+    "m_remainder": "fixed remainder",
+}
+"""What the mass of the wing is the sum of."""
+
+DESIGNS = ("baseline", "optimum")
+
+
+def variables(source: Source) -> pd.DataFrame:
+    """Design variables by name: units, bounds, baseline, optimum, and the share of the box that it moved."""
+    run = as_run(source)
+    frame = pd.DataFrame([vars(v) for v in run.variables], columns=list("name path units lower baseline upper".split()))
+    frame = frame.set_index("name")
+    found = _values(run, "optimum")
+    frame.insert(4, "optimum", pd.Series({v.name: found.get(v.name) for v in run.variables}, dtype=float))
+    box = (frame["upper"] - frame["lower"]).astype(float)
+    frame["moved_percent_of_box"] = 100.0 * (frame["optimum"] - frame["baseline"]) / box
+    frame["place_in_box"] = (frame["optimum"] - frame["lower"]) / box
+    return frame
+
+
+def constraints(source: Source) -> pd.DataFrame:
+    """Constraints by name: bounds, both designs, margin (negative: violated), multiplier, active, violated, reason."""
+    run = as_run(source)
+    found = {d: _values(run, d) for d in DESIGNS}
+    told = (run.result or {}).get("constraints") or {}
+    rows = []
+    for c in run.constraints:
+        row = {"name": c.name, "units": c.units, "lower": c.lower, "upper": c.upper}
+        row |= {d: found[d].get(c.name) for d in DESIGNS}
+        last = told.get(c.name, {})
+        if row["optimum"] is None:
+            row["optimum"] = last.get("value")
+        row["margin"] = last.get("margin", None if row["optimum"] is None else c.margin(row["optimum"]))
+        row |= {k: last.get(k) for k in ("multiplier", "active", "violated")} | {"reason": c.reason}
+        rows.append(row)
+    columns = "name units lower upper baseline optimum margin multiplier active violated reason".split()
+    frame = pd.DataFrame(rows, columns=columns).set_index("name")
+    numbers = ["lower", "upper", "baseline", "optimum", "margin", "multiplier"]
+    return frame.astype(dict.fromkeys(numbers, float))
+
+
+def history(source: Source) -> pd.DataFrame:
+    """One row an evaluation: time_s, objective, worst_violation, success, then every recorded number by name."""
+    run = as_run(source)
+    rows = []
+    for row in run.history:
+        numbers = row.get("outputs", {}) | row.get("constraints", {}) | row.get("variables", {})
+        head = {k: row.get(k) for k in ("iteration", "time_s", "objective", "worst_violation")}
+        rows.append(head | {"success": bool(row.get("success", True))} | numbers)
+    frame = pd.DataFrame(rows, columns=None if rows else ["iteration", "time_s", "objective", "worst_violation", "success"])
+    frame = frame.set_index("iteration")
+    return frame.astype({c: float for c in frame.columns if c != "success"})
+
+
+def comparison(source: Source) -> pd.DataFrame:
+    """Every number of both snapshots: units, baseline, optimum, change, change in percent, meaning."""
+    run = as_run(source)
+    found = {d: _values(run, d) for d in DESIGNS}
+    names = list(found["baseline"]) + [n for n in found["optimum"] if n not in found["baseline"]]
+    frame = pd.DataFrame({d: pd.Series(found[d], index=names, dtype=float) for d in DESIGNS})
+    frame.index.name = "name"
+    frame.insert(0, "units", [_unit(run, n) for n in names])
+    frame["change"] = frame["optimum"] - frame["baseline"]
+    frame["change_percent"] = 100.0 * frame["change"] / frame["baseline"].abs().where(frame["baseline"] != 0.0)
+    frame["meaning"] = [_meaning(n) for n in names]
+    return frame
+
+
+def drag(source: Source) -> pd.DataFrame:
+    """Drag coefficient by part in counts (1e-4), the recorded total last."""
+    run = as_run(source)
+    found = {d: _values(run, d) for d in DESIGNS}
+    parts = {d: {k: found[d][k] for k in (*DRAG_PARTS, "CD") if k in found[d]} for d in DESIGNS}
+    return _budget(parts, DRAG_PARTS, "CD", 1e4)
+
+
+def masses(source: Source) -> pd.DataFrame:
+    """Masses in kg by group (``aircraft``: mass items, ``wing``: parts of the wing) and item, totals last."""
+    run = as_run(source)
+    items, parts = {}, {}
+    for d in DESIGNS:
+        shot = _shot(run, d)
+        items[d] = {k: float(v) for k, v in (shot.arrays.get("mass_items") or {}).items()}
+        items[d] |= {"mass": shot.values["mass"]} if "mass" in shot.values else {}
+        parts[d] = {k: shot.values[k] for k in (*WING_PARTS, "m_wing") if k in shot.values}
+    groups = {"aircraft": _budget(items, {}, "mass", 1.0), "wing": _budget(parts, WING_PARTS, "m_wing", 1.0)}
+    return pd.concat(groups, names=["group", "item"])
+
+
+def gain(source: Source) -> pd.Series:
+    """The objective's change split by cause, in the objective's unit; empty where the run did not split it."""
+    run = as_run(source)
+    told = (run.result or {}).get("gain") or {}
+    return pd.Series(told, dtype=float, name=run.objective.name if run.objective else "gain")
+
+
+def _budget(found: dict[str, dict], labels: dict[str, str], total: str, factor: float) -> pd.DataFrame:
+    """Parts of both designs and their change; what the parts leave of the total gets a row of its own."""
+    names = [n for n in dict.fromkeys([*found["baseline"], *found["optimum"]]) if n != total]
+    frame = pd.DataFrame({d: pd.Series(found[d], index=[*names, total], dtype=float) * factor for d in DESIGNS})
+    frame = frame.dropna(how="all")
+    frame.index = pd.Index([labels.get(n, n) for n in frame.index], name="item", dtype=object)
+    if total in frame.index:
+        rest = frame.loc[total] - frame.drop(total).sum()
+        frame = frame.rename({total: "total"})
+        if len(frame) > 1 and (rest.abs() > 1e-3 * frame.loc["total"].abs()).any():
+            frame = pd.concat([frame.iloc[:-1], rest.to_frame("not itemised").T, frame.iloc[-1:]])
+            frame.index.name = "item"
+    frame["change"] = frame["optimum"] - frame["baseline"]
+    return frame
+
+
+def _shot(run: Run, design: str) -> Snapshot:
+    """A snapshot, empty where the run has none."""
+    return getattr(run, design) or Snapshot({})
+
+
+def _values(run: Run, design: str) -> dict[str, float]:
+    """Numbers of a design: those of the result, overruled by the snapshot's."""
+    told = (run.result or {}).get(design) or {}
+    numbers = {k: float(v) for k, v in told.items() if isinstance(v, int | float)}
+    return numbers | _shot(run, design).values
+
+
+def _unit(run: Run, name: str) -> str | None:
+    """Unit of a number: as recorded with a snapshot, else the registry's."""
+    for design in DESIGNS:
+        if name in _shot(run, design).units:
+            return _shot(run, design).units[name]
+    try:
+        return quantity(name).units
+    except KeyError:
+        return next((v.units for v in (*run.variables, *run.constraints) if v.name == name), None)
+
+
+def _meaning(name: str) -> str:
+    """What the registry says about a name; nothing for a name that it lacks."""
+    try:
+        return quantity(name).desc
+    except KeyError:
+        return ""
