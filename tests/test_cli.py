@@ -22,6 +22,7 @@ TEXT = (resources.files("hera_om.aircraft") / "data" / "hera_like.toml").read_te
 COMMANDS = ("check", "analyze", "trim", "mdo", "train", "report")
 HEAVY = "jax jaxlib openmdao pandas pydantic numpy scipy smt matplotlib rich".split()
 SQLITE = b"SQLite format 3\0"
+ENV = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"} | {"PYTHONPATH": str(ROOT)}
 
 POINT = {
     "alpha": 1.25,
@@ -46,9 +47,8 @@ POINT = {
 def python(code, *words, cwd=None, **options):
     """Run the command line, after some code, in a process of its own."""
     script = f"import sys\nfrom hera_om.cli import main\n{code}\n"
-    env = os.environ | {"PYTHONPATH": str(ROOT)}
     options = {"capture_output": True, "text": True, "timeout": 60} | options
-    return subprocess.run([sys.executable, "-c", script, *words], cwd=cwd, env=env, **options)
+    return subprocess.run([sys.executable, "-c", script, *words], cwd=cwd, env=ENV, **options)
 
 
 def hera_om(*words, **options):
@@ -553,13 +553,12 @@ sys.exit(main())
 
 def test_reader_who_has_left_is_no_error():
     code = "import time; time.sleep(0.2); sys.exit(main())"
-    env = os.environ | {"PYTHONPATH": str(ROOT)}
     for words in (["check", "hera_like"], ["--help"]):
         process = subprocess.Popen(
             [sys.executable, "-c", f"import sys\nfrom hera_om.cli import main\n{code}", *words],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            env=env,
+            env=ENV,
         )
         process.stdout.close()
         with process.stderr:
@@ -579,7 +578,7 @@ def test_output_that_cannot_be_written_is_no_success():
 def test_name_that_the_terminal_cannot_show(tmp_path):
     file = tmp_path / "a.toml"
     file.write_text(TEXT.replace('name = "hera_like"', 'name = "hélice"', 1), "utf-8")
-    env = os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "ascii"}
+    env = ENV | {"PYTHONIOENCODING": "ascii"}
     code = "import sys\nfrom hera_om.cli import main\nsys.exit(main())"
     done = subprocess.run(
         [sys.executable, "-c", code, "check", str(file)], env=env, capture_output=True, text=True

@@ -100,12 +100,12 @@ def emit(text: str, end: str = "\n") -> None:
     Raises:
         OSError: standard output cannot be written for another reason.
     """
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal cannot show
     try:
+        if isinstance(sys.stdout, io.TextIOWrapper):
+            sys.stdout.reconfigure(errors="backslashreplace")  # a name that the terminal cannot show
         print(text, end=end, flush=True)
     except OSError as error:
-        pass
+        _drop_stdout()
         if not isinstance(error, BrokenPipeError):
             raise
 

@@ -3,7 +3,6 @@
 import jax.numpy as jnp
 import numpy as np
 
-from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.components import arrays
 from hera_om.components.mass import ROTOR
@@ -18,7 +17,7 @@ WING_KEYS = ("x_le_root_m", "z_root_m", "fuselage_joint_y_m", "fuel_tank", "stru
 MISSION_KEYS = ("limit_load_factor", "reserve_factor")
 
 
-def box_reads(aircraft: Aircraft) -> tuple[str, ...]:
+def box_reads(aircraft) -> tuple[str, ...]:
     """Paths that the box depends on; twist is not among them."""
     wing = aircraft.wing
     paths = [f"wing.{key}" for key in WING_KEYS] + [f"mission.{key}" for key in MISSION_KEYS]
@@ -31,18 +30,18 @@ def box_reads(aircraft: Aircraft) -> tuple[str, ...]:
     return tuple(paths)
 
 
-def box_weights(aircraft: Aircraft) -> np.ndarray:
+def box_weights(aircraft) -> np.ndarray:
     """Weights [n, k] of the stations by the joint and the sections outboard of it, cut at the baseline.
 
-    Stations keep their shares when sections move, and the sections are always among them: what depends on a kink
-    is then smooth in its position.
+    Stations keep their shares when sections move, and the sections are always among them: what depends on a
+    kink is then smooth in its position.
     """
     joint = aircraft.wing.fuselage_joint_y_m
     breaks = [joint, *(s.y_m for s in aircraft.wing.section if s.y_m > joint)]
     return span_weights(breaks, aircraft.lattice.box_stations - 1, "uniform")[0]
 
 
-def box_geometry(aircraft: Aircraft, weights) -> BoxGeometry:
+def box_geometry(aircraft, weights) -> BoxGeometry:
     """Wing at the stations."""
     s, joint, outboard = arrays.wing_arrays(aircraft), aircraft.wing.fuselage_joint_y_m, weights.shape[1] - 1
 
@@ -53,13 +52,13 @@ def box_geometry(aircraft: Aircraft, weights) -> BoxGeometry:
     return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)))
 
 
-def box_material(aircraft: Aircraft) -> Material:
+def box_material(aircraft) -> Material:
     """Material of the box."""
     m = aircraft.wing_material()
     return Material(m.E_Pa, m.G_Pa, m.nu, m.rho_kg_m3, m.Fty_Pa, m.Fcy_Pa, m.Ftu_Pa, m.Fsu_Pa)
 
 
-def box_concept(aircraft: Aircraft) -> BoxConcept:
+def box_concept(aircraft) -> BoxConcept:
     """Spars, pitches, least gauge and required reserve factor."""
     b = aircraft.wing.structure
     return BoxConcept(
@@ -72,11 +71,11 @@ def box_concept(aircraft: Aircraft) -> BoxConcept:
     )
 
 
-def carried_masses(aircraft: Aircraft, edges, wing_mass) -> tuple[SpanMass, ...]:
-    """What the starboard wing carries: its own structure, its half of the fuel at take-off, rotors and their motors.
+def carried_masses(aircraft, edges, wing_mass) -> tuple[SpanMass, ...]:
+    """What the starboard wing carries: structure, its half of the fuel at take-off, motors at the rotors.
 
-    Structure and fuel are spread in proportion to chord times thickness, between the spars. An item that tracks a
-    rotor group stands in equal parts at the y of the group's hubs, at its own x and z.
+    Structure and fuel are spread in proportion to chord times thickness, between the spars. An item that
+    tracks a rotor group stands in equal parts at the y of the group's hubs, at its own x and z.
 
     Args:
         aircraft: definition.
@@ -96,7 +95,7 @@ def carried_masses(aircraft: Aircraft, edges, wing_mass) -> tuple[SpanMass, ...]
     return tuple(masses)
 
 
-def _spread(aircraft: Aircraft, both_sides, edges) -> SpanMass:
+def _spread(aircraft, both_sides, edges) -> SpanMass:
     """Half of a mass over strips of the starboard wing."""
     s, box = arrays.wing_arrays(aircraft), aircraft.wing.structure
     y = 0.5 * (edges[1:] + edges[:-1])
@@ -106,16 +105,16 @@ def _spread(aircraft: Aircraft, both_sides, edges) -> SpanMass:
     return spread_mass(both_sides / SIDES, edges, intensity=chord**2 * ratio, points=points)
 
 
-def _thickness_ratio(aircraft: Aircraft):
+def _thickness_ratio(aircraft):
     """Thickness over chord of the sections."""
     return jnp.stack([jnp.asarray(s.thickness, float) for s in aircraft.wing.section])
 
 
-def _fuel(aircraft: Aircraft):
+def _fuel(aircraft):
     """Items of fuel that stands in the wing."""
     return [i for i in aircraft.mass if i.tracks == "fuel"] if aircraft.wing.fuel_tank is not None else []
 
 
-def _pods(aircraft: Aircraft):
+def _pods(aircraft):
     """Items that hang on the wing at the hubs of a rotor group."""
     return [i for i in aircraft.mass if (i.tracks or "").startswith(ROTOR)]

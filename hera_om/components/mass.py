@@ -18,19 +18,23 @@ ROTOR = "rotor:"
 class MassProperties(JaxComponent):
     """Mass of the aircraft, and its balance at the start of the cruise, the one loading that is looked at.
 
-    Items follow what they track: ``wing`` has the mass ``m_wing``, ``htail`` and ``vtail`` go with the square of
-    their scale from their mass at scale 1, ``rotor:<group>`` keeps its mass and spreads it over the group's hubs.
-    Changes of all these from the masses of the definition are the mass saved. With ``fixed_mass`` it becomes fuel,
-    so that the take-off mass stays; with ``fixed_fuel`` the take-off mass falls. The centre of gravity is in
-    geometry axes and serves as the moment point of the aerodynamics.
+    Items follow what they track: ``wing`` has the mass ``m_wing``, ``htail`` and ``vtail`` go with the square
+    of their scale from their mass at scale 1, ``rotor:<group>`` keeps its mass and spreads it over the
+    group's hubs. Changes of all these from the masses of the definition are the mass saved. With
+    ``fixed_mass`` it becomes fuel, so that the take-off mass stays; with ``fixed_fuel`` the take-off mass
+    falls. The centre of gravity is in geometry axes and serves as the moment point of the aerodynamics.
     """
 
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
+        self.options.declare(
+            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
+        )
         rules = (FIXED_MASS, FIXED_FUEL)
-        self.options.declare("fuel_rule", FIXED_MASS, values=rules, desc="what stays when the structure changes")
+        self.options.declare(
+            "fuel_rule", FIXED_MASS, values=rules, desc="what stays when the structure changes"
+        )
 
     def setup(self) -> None:
         """Read no more of the definition than this aircraft's items follow."""
@@ -40,7 +44,7 @@ class MassProperties(JaxComponent):
     def declare(self) -> None:
         """Mass of the wing in, where an item tracks it; totals out."""
         aircraft, self.statics = self.options["aircraft"], self.options["fuel_rule"]
-        if self.statics == FIXED_MASS and not sum(m.m_kg for m in aircraft.mass if m.tracks == "fuel") > 0.0:
+        if self.statics == FIXED_MASS and all(m.tracks != "fuel" for m in aircraft.mass):
             raise ValueError(
                 f"{aircraft.name!r}: fuel_rule {FIXED_MASS!r} needs a [[mass]] item that tracks fuel; "
                 f"{FIXED_FUEL!r} does not"
@@ -56,18 +60,19 @@ class MassProperties(JaxComponent):
         self.add("mass_saved", units="kg", desc="structural mass below that of the definition")
 
     @staticmethod
-    def evaluate(aircraft: Aircraft, statics: str, constants: Any, inputs: Values) -> Values:
+    def evaluate(aircraft: Any, statics: str, constants: Any, inputs: Values) -> Values:
         """Totals at take-off, balance at the start of the cruise."""
         items, now = aircraft.mass, [_mass(aircraft, item, inputs) for item in aircraft.mass]
         saved = sum(i.m_kg - m for i, m in zip(items, now, strict=True) if i.tracks in STRUCTURE)
-        fuel_baseline = sum(i.m_kg for i in items if i.tracks == "fuel")
-        fuel = fuel_baseline + (saved if statics == FIXED_MASS else 0.0)
-        left = fuel - (aircraft.mission.climb_fuel_kg if aircraft.mission is not None else 0.0)
-        takeoff = sum(m for i, m in zip(items, now, strict=True) if i.tracks != "fuel") + fuel
-        cruise = [m * left / fuel_baseline if i.tracks == "fuel" else m for i, m in zip(items, now, strict=True)]
-        total = _assemble(aircraft, jnp.stack([jnp.asarray(m) for m in cruise]))
+        gained = saved if statics == FIXED_MASS else 0.0
+        burnt = aircraft.mission.climb_fuel_kg if aircraft.mission is not None else 0.0
+        tanks = max(sum(i.tracks == "fuel" for i in items), 1)
+        change = [(gained - burnt) / tanks if i.tracks == "fuel" else 0.0 for i in items]
+        total = _assemble(
+            aircraft, jnp.stack([jnp.asarray(m + d, float) for m, d in zip(now, change, strict=True)])
+        )
         return {
-            "mass": takeoff,
+            "mass": jnp.asarray(sum(now) + gained, float),
             "x_cg": total.cg[0],
             "z_cg": total.cg[2],
             "Ixx": total.I_xx,
@@ -75,7 +80,7 @@ class MassProperties(JaxComponent):
             "Izz": total.I_zz,
             "Ixz": total.I_xz,
             "mass_cruise": total.mass,
-            "mass_fuel": jnp.asarray(fuel, float),
+            "mass_fuel": jnp.asarray(sum(i.m_kg for i in items if i.tracks == "fuel") + gained, float),
             "mass_saved": jnp.asarray(saved, float),
         }
 
@@ -114,9 +119,13 @@ def _spread(aircraft: Aircraft, item: Mass):
 
 
 def _assemble(aircraft: Aircraft, mass):
-    """Mass properties of all items; an item's spread along z becomes two halves above and below its centre."""
+    """Mass properties of all items; a spread along z becomes two halves above and below the centre."""
     items = aircraft.mass
-    halves = [(i.x_m, i.y_m, i.z_m + side * i.kz_m) for side in (-1.0, 1.0) for i in items]
-    spread = [(i.kx_m, _spread(aircraft, i)) for i in items] * 2
-    position, gyration = (jnp.stack([jnp.stack([jnp.asarray(v, float) for v in row]) for row in t]) for t in (halves, spread))
-    return mass_properties(jnp.concatenate([mass, mass]) / 2.0, position, gyration)
+    position = [(i.x_m, i.y_m, i.z_m + side * i.kz_m) for side in (-1.0, 1.0) for i in items]
+    gyration = [(i.kx_m, _spread(aircraft, i)) for i in items] * 2
+    return mass_properties(jnp.concatenate([mass, mass]) / 2.0, _rows(position), _rows(gyration))
+
+
+def _rows(table):
+    """One array of numbers, traced or not."""
+    return jnp.stack([jnp.stack([jnp.asarray(v, float) for v in row]) for row in table])

@@ -13,8 +13,8 @@ KILOMETRE = 1e3  # m
 class Performance(JaxComponent):
     """Range at fixed take-off mass and at fixed fuel; with rotors, range per shaft energy too.
 
-    ``fuel_rule`` is that of the component that gives ``mass``: it says whether this take-off mass still holds the
-    mass saved, as fuel, or lacks it. Both ranges are given either way.
+    ``fuel_rule`` is that of the component that gives ``mass``: it says whether this take-off mass still holds
+    the mass saved, as fuel, or lacks it. Both ranges are given either way.
     """
 
     READS = ("mission.climb_fuel_kg", "mission.cruise_fuel_kg", "mission.c_s_1_per_s")
@@ -22,7 +22,9 @@ class Performance(JaxComponent):
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
+        self.options.declare(
+            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
+        )
         rules = (FIXED_MASS, FIXED_FUEL)
         self.options.declare("fuel_rule", FIXED_MASS, values=rules, desc="rule behind the input mass")
 
@@ -40,10 +42,9 @@ class Performance(JaxComponent):
             self.add("range_per_energy")
 
     @staticmethod
-    def evaluate(aircraft: Aircraft, statics: str, constants: Any, inputs: Values) -> Values:
+    def evaluate(aircraft: Any, statics: str, constants: Any, inputs: Values) -> Values:
         """Ranges."""
         mission, saved = aircraft.mission, inputs["mass_saved"]
-        assert mission is not None
         baseline = inputs["mass"] + (saved if statics == FIXED_FUEL else 0.0)
         found = cruise_range(
             inputs["speed"],

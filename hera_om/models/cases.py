@@ -38,7 +38,7 @@ BOX_LIMITS = ("RFC", "RFT")
 def mdo_limits(boxed: bool) -> tuple[Limit, ...]:
     """Table 7 of the paper, without the reserve factors for an aircraft whose wing is not sized."""
     return tuple(
-        Limit(c.quantity, c.lower, c.upper, f"{c.standard}: {c.note}")
+        Limit(c.quantity, c.lower, c.upper, f"{c.standard}: {c.paragraph}")
         for c in TABLE_7
         if boxed or c.quantity not in BOX_LIMITS
     )

@@ -4,6 +4,7 @@ import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.components.aero import Aerodynamics
+from hera_om.components.box_arrays import box_reads
 from hera_om.components.mass import MassProperties
 from hera_om.components.performance import Performance
 from hera_om.components.stability import Stability
@@ -97,9 +98,12 @@ class TrimmedAircraft(om.Group):
         box = WingBox(aircraft=aircraft, remainder=self.options["remainder"])
         inputs = box_variables(aircraft)
         closed = self.options["close_mass"]
-        outputs = ["*"] if closed else [("m_wing", "m_wing_sized"), "m_*", "RF*", "t_*", "box_*", "shear", "bending", "torsion"]
-        relief = [("m_wing_relief", "m_wing")]
-        self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, *relief], promotes_outputs=outputs)
+        outputs = ["*"] if closed else ["m_primary", "RFC", "RFT"]
+        # OpenMDAO hands a component its own output only in derivatives: the feedback goes through a copy.
+        kg = {"units": "kg", "val": aircraft.wing.structure.mass_total_baseline_kg}
+        copy = om.ExecComp("m_wing_relief = m_wing", m_wing=kg, m_wing_relief=kg)
+        self.add_subsystem("relief", copy, promotes=["*"])
+        self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs)
         for name in (*LOAD_NAMES, *(ROTOR_NAMES if aircraft.rotor else ())):
             self.connect(name, f"wing_box.cruise_{name}")
             self.connect(f"pullup.{name}", f"wing_box.pullup_{name}")
@@ -110,17 +114,16 @@ def has_box(aircraft: Aircraft) -> bool:
     return aircraft.wing is not None and aircraft.wing.structure is not None and aircraft.mission is not None
 
 
-def _read(aircraft: Aircraft, component) -> list[str]:
-    """Design variables that a component class reads."""
-    reads = component.READS
+def _read(aircraft: Aircraft, reads: tuple[str, ...]) -> list[str]:
+    """Design variables under some paths."""
     return [v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)]
 
 
 def aero_variables(aircraft: Aircraft) -> list[str]:
     """Design variables of the aerodynamics."""
-    return _read(aircraft, Aerodynamics)
+    return _read(aircraft, Aerodynamics.READS)
 
 
 def box_variables(aircraft: Aircraft) -> list[str]:
     """Design variables of the wing box."""
-    return _read(aircraft, WingBox)
+    return _read(aircraft, box_reads(aircraft))

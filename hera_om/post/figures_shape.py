@@ -10,8 +10,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from hera_om.aircraft.body import Fuselage
 from hera_om.core.errors import RecordError
-from hera_om.post.read import Run, Snapshot, as_run
-from hera_om.post.style import BASELINE, COLOURS, CYCLE, INK, OPTIMUM, new_figure, no_data, number, styled
+from hera_om.post.database import Run, Snapshot, as_run
+from hera_om.post.style import BASELINE, COLOURS, CYCLE, VIOLATED, new_figure, no_data, number, styled
 from hera_om.post.tables import DESIGNS, Source
 
 REQUIRED_RESERVE = 1.5
@@ -27,7 +27,7 @@ def designs(run: Run) -> list[tuple[str, Snapshot]]:
 
 @styled
 def plot_planform(source: Source) -> Figure:
-    """Wing, tail and rotors from above: the baseline to port, the optimum to starboard, both as starboard halves."""
+    """Wing, tail and rotors from above: the baseline to port, the optimum to starboard."""
     run = as_run(source)
     shots = [(d, s) for d, s in designs(run) if s.arrays.get("wing_outline") or s.arrays.get("rotors")]
     if not shots:
@@ -35,7 +35,13 @@ def plot_planform(source: Source) -> Figure:
     figure = new_figure(6.9)
     axes = figure.subplots()
     _fuselage(axes, run)
-    ghost = {"linestyle": (0, (4, 3)), "linewidth": 1.0, "facecolor": "none", "edgecolor": BASELINE, "zorder": 4}
+    ghost = {
+        "linestyle": (0, (4, 3)),
+        "linewidth": 1.0,
+        "facecolor": "none",
+        "edgecolor": BASELINE,
+        "zorder": 2,
+    }
     for side, (name, shot) in zip((-1.0, 1.0), shots if len(shots) > 1 else shots * 2, strict=True):
         solid = {"facecolor": COLOURS[name] + "30", "edgecolor": COLOURS[name], "linewidth": 1.6, "zorder": 3}
         _half(axes, shot, side, solid)
@@ -60,9 +66,12 @@ def _half(axes: Axes, shot: Snapshot, side: float, style: dict[str, Any]) -> Non
         ends = [side * (y - radius), side * (y + radius)]
         width = 3.2 if style["facecolor"] != "none" else 1.2
         colour = style["edgecolor"]
-        axes.plot(ends, [x, x], color=colour, linewidth=width, linestyle=style.get("linestyle", "-"), zorder=5)
+        order = style["zorder"] + 1
+        axes.plot(
+            ends, [x, x], color=colour, linewidth=width, linestyle=style.get("linestyle", "-"), zorder=order
+        )
         if width > 2.0:
-            axes.plot([side * y, side * y], [x, x + 0.6 * radius], color=colour, linewidth=1.2, zorder=5)
+            axes.plot([side * y, side * y], [x, x + 0.6 * radius], color=colour, linewidth=1.2, zorder=order)
 
 
 def _fuselage(axes: Axes, run: Run) -> None:
@@ -77,7 +86,7 @@ def _fuselage(axes: Axes, run: Run) -> None:
 
 
 def fuselage_outline(body: Fuselage) -> tuple[np.ndarray, np.ndarray]:
-    """Stations and half widths: an elliptic nose, a cylinder, a parabolic tail; a sketch, no input of any analysis."""
+    """Stations and half widths of a sketch: an elliptic nose, a cylinder, a parabolic tail."""
     s = np.linspace(0.0, 1.0, 30)
     nose, aft = body.nose_length_m, body.length_m - body.tail_length_m
     x = np.r_[nose * s, aft + body.tail_length_m * s]
@@ -106,7 +115,10 @@ def plot_span_load(source: Source) -> Figure:
     for name, shot in shots:
         y = np.asarray(shot.arrays["y_span"], float)
         chord = np.asarray(shot.arrays["chord_span"], float)
-        for key, dash, label in (("cl_span", "-", "with rotors"), ("cl_span_off", (0, (4, 2)), "slipstream off")):
+        for key, dash, label in (
+            ("cl_span", "-", "with rotors"),
+            ("cl_span_off", (0, (4, 2)), "slipstream off"),
+        ):
             if shot.arrays.get(key):
                 cl = np.asarray(shot.arrays[key], float)
                 style = {"color": COLOURS[name], "linestyle": dash, "label": f"{name}, {label}"}
@@ -119,7 +131,11 @@ def plot_span_load(source: Source) -> Figure:
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.set_xlim(left=0.0)
     _disks(lower, shots)
-    upper.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    handles, _ = upper.get_legend_handles_labels()
+    handles.append(
+        Line2D([], [], color=COLOURS[shots[-1][0]], linewidth=3.5, alpha=0.75, label="rotor disks")
+    )
+    upper.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
     return figure
 
 
@@ -137,9 +153,6 @@ def _disks(axes: Axes, shots: list[tuple[str, Snapshot]]) -> None:
                 alpha=0.75,
                 solid_capstyle="butt",
             )
-    if any(shot.arrays.get("rotors") for _, shot in shots):
-        above = 0.035 + 0.045 * len(shots)
-        axes.text(0.995, above, "rotor disks", transform=axes.transAxes, ha="right", fontsize=8.5, color=INK)
 
 
 @styled
@@ -151,7 +164,12 @@ def plot_box(source: Source) -> Figure:
     if not shots:
         return no_data(figure, "no snapshot with a wing box was recorded")
     upper, lower = figure.subplots(2, 1, sharex=True)
-    thick = {"t_skin_upper": "upper skin", "t_skin_lower": "lower skin", "t_web_front": "front web", "t_web_rear": "rear web"}
+    thick = {
+        "t_skin_upper": "upper skin",
+        "t_skin_lower": "lower skin",
+        "t_web_front": "front web",
+        "t_web_rear": "rear web",
+    }
     reserve = {"RFC_span": "RFC, compression", "RFT_span": "RFT, tension"}
     _along(upper, shots, thick, 1e3)
     upper.set_ylabel("thickness [mm]")
@@ -190,9 +208,17 @@ def _reserve_axis(axes: Axes) -> None:
     axes.yaxis.set_major_locator(FixedLocator(_RESERVE_TICKS))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.axhline(REQUIRED_RESERVE, color="#C8321E", linewidth=1.2)
+    axes.axhline(REQUIRED_RESERVE, color=VIOLATED, linewidth=1.2)
     text = f"required {number(REQUIRED_RESERVE, 2)}"
-    axes.text(0.01, REQUIRED_RESERVE * 0.97, text, transform=axes.get_yaxis_transform(), va="top", color="#C8321E", fontsize=9)
+    axes.text(
+        0.01,
+        REQUIRED_RESERVE * 0.97,
+        text,
+        transform=axes.get_yaxis_transform(),
+        va="top",
+        color=VIOLATED,
+        fontsize=9,
+    )
     axes.set_ylabel("allowable / limit stress [-]")
     axes.set_xlabel("y / semispan [-]")
     axes.set_xlim(0.0, 1.0)

@@ -18,7 +18,7 @@ CYCLE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8A6D00", "#56B4E9", "#5B3
 WIDTH = 7.2
 """Width of every figure in inches: the text column of the page, so that type has one size."""
 
-_RC = {
+_RC: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.5,
     "axes.titlesize": 10.5,
@@ -94,11 +94,11 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def label_ends(axes: Axes, entries: Sequence[tuple[float, str, str]], gap: float = 12.0) -> None:
-    """Name curves at the right edge of the axes: (height in data, text, colour); texts are spread to be apart.
+    """Name curves at the right edge of the axes; texts are spread to be apart.
 
     Args:
         axes: with final limits of its vertical axis.
-        entries: one a curve.
+        entries: height in data, text and colour, one a curve.
         gap: least distance of two texts in points.
     """
     height = axes.get_position().height * axes.figure.get_size_inches()[1] * 72.0  # type: ignore[union-attr]
@@ -137,6 +137,7 @@ def _spread(wanted: Sequence[float], least: float) -> list[float]:
 
 
 def no_data(figure: Figure, why: str) -> Figure:
-    """A figure that says why it is empty."""
+    """A low figure that says why it is empty."""
+    figure.set_size_inches(WIDTH, 0.8)
     figure.text(0.5, 0.5, why, ha="center", va="center", color="#666666")
     return figure

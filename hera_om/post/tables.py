@@ -1,13 +1,18 @@
-"""The record of a run as pandas frames; numbers keep the units that the registry gives them."""
+"""The record of a run as pandas frames; numbers keep the units that the registry gives them.
+
+An empty unit is a number without dimension.
+"""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from hera_om.core.registry import quantity
-from hera_om.post.read import Run, Snapshot, as_run
+from hera_om.post.database import Run, Snapshot, as_run
 
 Source = str | Path | Run
+Row = dict[str, Any]
 
 DRAG_PARTS = {
     "CDi_near": "induced, near field",
@@ -24,6 +29,7 @@ WING_PARTS = {
     "m_caps": "spar caps",
     "m_stringers": "stringers",
     "m_ribs": "ribs",
+    "m_centre_section": "centre section",
     "m_secondary": "secondary structure",
     "m_remainder": "fixed remainder",
 }
@@ -32,11 +38,16 @@ WING_PARTS = {
 DESIGNS = ("baseline", "optimum")
 
 
+def rows(frame: pd.DataFrame) -> list[Row]:
+    """A frame as one dictionary a row, the index under its name."""
+    return [{str(k): v for k, v in row.items()} for row in frame.reset_index().to_dict("records")]
+
+
 def variables(source: Source) -> pd.DataFrame:
     """Design variables by name: units, bounds, baseline, optimum, and the share of the box that it moved."""
     run = as_run(source)
-    frame = pd.DataFrame([vars(v) for v in run.variables], columns=list("name path units lower baseline upper".split()))
-    frame = frame.set_index("name")
+    told = [vars(v) | {"units": v.units or ""} for v in run.variables]
+    frame = pd.DataFrame(told, columns="name path units lower baseline upper".split()).set_index("name")
     found = _values(run, "optimum")
     frame.insert(4, "optimum", pd.Series({v.name: found.get(v.name) for v in run.variables}, dtype=float))
     box = (frame["upper"] - frame["lower"]).astype(float)
@@ -46,35 +57,36 @@ def variables(source: Source) -> pd.DataFrame:
 
 
 def constraints(source: Source) -> pd.DataFrame:
-    """Constraints by name: bounds, both designs, margin (negative: violated), multiplier, active, violated, reason."""
+    """Constraints by name: bounds, both designs, margin (negative: violated), multiplier, state, reason."""
     run = as_run(source)
     found = {d: _values(run, d) for d in DESIGNS}
     told = (run.result or {}).get("constraints") or {}
-    rows = []
+    lines: list[Row] = []
     for c in run.constraints:
-        row = {"name": c.name, "units": c.units, "lower": c.lower, "upper": c.upper}
+        row: Row = {"name": c.name, "units": c.units or "", "lower": c.lower, "upper": c.upper}
         row |= {d: found[d].get(c.name) for d in DESIGNS}
         last = told.get(c.name, {})
         if row["optimum"] is None:
             row["optimum"] = last.get("value")
         row["margin"] = last.get("margin", None if row["optimum"] is None else c.margin(row["optimum"]))
         row |= {k: last.get(k) for k in ("multiplier", "active", "violated")} | {"reason": c.reason}
-        rows.append(row)
+        lines.append(row)
     columns = "name units lower upper baseline optimum margin multiplier active violated reason".split()
-    frame = pd.DataFrame(rows, columns=columns).set_index("name")
+    frame = pd.DataFrame(lines, columns=columns).set_index("name")
     numbers = ["lower", "upper", "baseline", "optimum", "margin", "multiplier"]
     return frame.astype(dict.fromkeys(numbers, float))
 
 
 def history(source: Source) -> pd.DataFrame:
-    """One row an evaluation: time_s, objective, worst_violation, success, then every recorded number by name."""
+    """One row an evaluation: time_s, objective, worst_violation, success, then every recorded number."""
     run = as_run(source)
-    rows = []
+    lines: list[Row] = []
     for row in run.history:
         numbers = row.get("outputs", {}) | row.get("constraints", {}) | row.get("variables", {})
         head = {k: row.get(k) for k in ("iteration", "time_s", "objective", "worst_violation")}
-        rows.append(head | {"success": bool(row.get("success", True))} | numbers)
-    frame = pd.DataFrame(rows, columns=None if rows else ["iteration", "time_s", "objective", "worst_violation", "success"])
+        lines.append(head | {"success": bool(row.get("success", True))} | numbers)
+    empty = ["iteration", "time_s", "objective", "worst_violation", "success"]
+    frame = pd.DataFrame(lines, columns=None if lines else empty)
     frame = frame.set_index("iteration")
     return frame.astype({c: float for c in frame.columns if c != "success"})
 
@@ -86,9 +98,11 @@ def comparison(source: Source) -> pd.DataFrame:
     names = list(found["baseline"]) + [n for n in found["optimum"] if n not in found["baseline"]]
     frame = pd.DataFrame({d: pd.Series(found[d], index=names, dtype=float) for d in DESIGNS})
     frame.index.name = "name"
-    frame.insert(0, "units", [_unit(run, n) for n in names])
+    frame.insert(0, "units", [_unit(run, n) or "" for n in names])
     frame["change"] = frame["optimum"] - frame["baseline"]
-    frame["change_percent"] = 100.0 * frame["change"] / frame["baseline"].abs().where(frame["baseline"] != 0.0)
+    frame["change_percent"] = (
+        100.0 * frame["change"] / frame["baseline"].abs().where(frame["baseline"] != 0.0)
+    )
     frame["meaning"] = [_meaning(n) for n in names]
     return frame
 
@@ -109,13 +123,13 @@ def masses(source: Source) -> pd.DataFrame:
         shot = _shot(run, d)
         items[d] = {k: float(v) for k, v in (shot.arrays.get("mass_items") or {}).items()}
         items[d] |= {"mass": shot.values["mass"]} if "mass" in shot.values else {}
-        parts[d] = {k: shot.values[k] for k in (*WING_PARTS, "m_wing") if k in shot.values}
+        parts[d] = _wing_parts(shot)
     groups = {"aircraft": _budget(items, {}, "mass", 1.0), "wing": _budget(parts, WING_PARTS, "m_wing", 1.0)}
     return pd.concat(groups, names=["group", "item"])
 
 
 def gain(source: Source) -> pd.Series:
-    """The objective's change split by cause, in the objective's unit; empty where the run did not split it."""
+    """The objective's change split by cause, in the objective's unit; empty where it was not split."""
     run = as_run(source)
     told = (run.result or {}).get("gain") or {}
     return pd.Series(told, dtype=float, name=run.objective.name if run.objective else "gain")
@@ -124,7 +138,9 @@ def gain(source: Source) -> pd.Series:
 def _budget(found: dict[str, dict], labels: dict[str, str], total: str, factor: float) -> pd.DataFrame:
     """Parts of both designs and their change; what the parts leave of the total gets a row of its own."""
     names = [n for n in dict.fromkeys([*found["baseline"], *found["optimum"]]) if n != total]
-    frame = pd.DataFrame({d: pd.Series(found[d], index=[*names, total], dtype=float) * factor for d in DESIGNS})
+    frame = pd.DataFrame(
+        {d: pd.Series(found[d], index=[*names, total], dtype=float) * factor for d in DESIGNS}
+    )
     frame = frame.dropna(how="all")
     frame.index = pd.Index([labels.get(n, n) for n in frame.index], name="item", dtype=object)
     if total in frame.index:
@@ -135,6 +151,14 @@ def _budget(found: dict[str, dict], labels: dict[str, str], total: str, factor: 
             frame.index.name = "item"
     frame["change"] = frame["optimum"] - frame["baseline"]
     return frame
+
+
+def _wing_parts(shot: Snapshot) -> dict[str, float]:
+    """Parts of the wing; the secondary structure is what primary and remainder leave of the whole."""
+    known = dict(shot.values)
+    if {"m_wing", "m_primary", "m_remainder"} <= set(known):
+        known["m_secondary"] = known["m_wing"] - known["m_primary"] - known["m_remainder"]
+    return {k: known[k] for k in (*WING_PARTS, "m_wing") if k in known}
 
 
 def _shot(run: Run, design: str) -> Snapshot:

@@ -120,11 +120,12 @@ class Record:
             progress: called with each row of history once it is safe on the disk.
         """
         names = list(outputs) if outputs is not None else _registry_scalars(problem)
-        for options in (problem.driver.recording_options, problem.recording_options):
+        driver: Any = problem.driver
+        for options in (driver.recording_options, problem.recording_options):
             options["includes"] = names
             options["record_desvars"] = options["record_objectives"] = options["record_constraints"] = True
         self._cases.on_driver = lambda success: self._evaluated(problem, names, success, progress)
-        problem.driver.add_recorder(self._cases)
+        driver.add_recorder(self._cases)
         problem.add_recorder(self._cases)
 
     def note(self, key: str, value: Any) -> None:
@@ -132,9 +133,10 @@ class Record:
         self._write("INSERT OR REPLACE INTO hera_om VALUES (?, ?)", [(key, _json(value))])
 
     def history(self, row: Mapping[str, Any]) -> None:
-        """Add one evaluation: ``{iteration, time_s, objective, worst_violation, variables, constraints, outputs}``.
+        """Add one evaluation: ``iteration time_s objective worst_violation variables constraints outputs``.
 
-        ``success: False`` marks one whose analysis failed; its numbers are then absent.
+        The last three are numbers by name. ``success: False`` marks an analysis that failed; its results
+        are then absent.
         """
         iteration = int(row["iteration"])
         self._write("INSERT OR REPLACE INTO hera_om_history VALUES (?, ?)", [(iteration, _json(dict(row)))])
@@ -218,7 +220,7 @@ class Record:
 
 
 class _Cases(om.SqliteRecorder):
-    """OpenMDAO's recorder in the file of a `Record`: its errors name the file, each driver case calls back."""
+    """OpenMDAO's recorder in the file of a `Record`: errors name the file, each driver case calls back."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(str(path), record_viewer_data=False)
@@ -226,7 +228,7 @@ class _Cases(om.SqliteRecorder):
         self._seen: BaseException | None = None
 
     def create(self) -> None:
-        """Write the tables now: done at start-up, as OpenMDAO does, it would remove the file with ours in it."""
+        """Write the tables now: at start-up, where OpenMDAO does it, the file with ours would be removed."""
         self._initialize_database(None)
 
     def startup(self, recording_requester, comm=None) -> None:

@@ -25,8 +25,8 @@ def _difference(component, inputs, wrt, i, step, names):
 def check_partials():
     """Partials of a component against Richardson's differences, relative to the largest entry of their block.
 
-    A block that is smaller than what rounding leaves of the differences counts as zero: ``floor`` times the size of
-    the output over the size of the input.
+    A block that is smaller than what rounding leaves of the differences counts as zero: ``floor`` times the
+    size of the output over the size of the input.
     """
 
     def check(component, inputs, tol=1e-6, relative_step=1e-4, floor=1e-8):

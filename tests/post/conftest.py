@@ -44,11 +44,16 @@ def arrays(design, off=0.9):
     k, p, t = design["y_kink"], design["y_prop"], design["theta_tip"]
     chord = np.interp(y, [0.0, k, 14.5], [2.77, 2.77, 1.61])
     clean = 0.55 * np.sqrt(1 - (y / 14.55) ** 2) * 2.6 / chord * (1 + 0.02 * t * (y / 14.5 - 0.5))
-    wash = sum(0.07 * np.sin(np.pi * np.clip((y - h) / r, -1, 1)) for h, r in ((4.1, 1.95), (p, 1.2), (p + 2.75, 1.2)))
+    wash = sum(
+        0.07 * np.sin(np.pi * np.clip((y - h) / r, -1, 1))
+        for h, r in ((4.1, 1.95), (p, 1.2), (p + 2.75, 1.2))
+    )
     s = design["htail_scale"]
     b, c = 3.54 * s, 1.925 * s
     eta = np.linspace(0.02, 0.98, 24)
-    mass = {"wing": 3300.0, "fuselage": 2900.0, "htail": 170.0 * s**2, "payload": 6840.0, "fuel": 3300.0, "systems": 3100.0}
+    mass = {m.name: m.m_kg for m in load_aircraft("hera_like").mass}
+    if design == END:  # the mass saved becomes fuel
+        mass |= {"wing": 2921.0, "htail": 170.0 * s**2, "fuel": 3679.0 - 170.0 * (s**2 - 1.0)}
     return {
         "y_span": y,
         "chord_span": chord,
@@ -64,7 +69,8 @@ def arrays(design, off=0.9):
             "t_skin_lower": 0.0012 + 0.0028 * (1 - eta) ** 1.4,
             "t_web_front": 0.0012 + 0.0018 * (1 - eta),
             "t_web_rear": 0.0012 + 0.0012 * (1 - eta),
-            "RFC_span": (1.5 + 0.12 * (design["A_cap_root"] > 2.5e-3)) * (1 + 4 * eta**4 + 0.3 * np.sin(3 * eta) ** 2),
+            "RFC_span": (1.5 + 0.12 * (design["A_cap_root"] > 2.5e-3))
+            * (1 + 4 * eta**4 + 0.3 * np.sin(3 * eta) ** 2),
             "RFT_span": 1.52 * (1 + 5 * eta**4 + 0.2 * np.sin(4 * eta) ** 2),
         },
         "mass_items": mass,
@@ -118,7 +124,9 @@ def write(path, *, until="result"):
     """Write the run up to a stage: ``head``, ``history``, ``optimum`` or ``result``."""
     aircraft = load_aircraft("hera_like")
     options = {"driver": "SLSQP", "aero": "lattice", "tol": 1e-6, "start": "baseline"}
-    with Record(path, kind="mdo", aircraft=aircraft, options=options, constraints=CONSTRAINTS, objective=OBJECTIVE) as r:
+    with Record(
+        path, kind="mdo", aircraft=aircraft, options=options, constraints=CONSTRAINTS, objective=OBJECTIVE
+    ) as r:
         if until != "head":
             values = {"values": BEFORE | START, "units": UNITS, "arrays": arrays(START)}
             r.snapshot("baseline", values)

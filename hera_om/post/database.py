@@ -13,7 +13,7 @@ from hera_om.aircraft import Aircraft, loads
 from hera_om.core.errors import InputError, RecordError
 
 FORMAT = 1
-"""The newest version of the tables that this reader knows; the writer's stands in `hera_om.studies.record`."""
+"""The newest version of the tables that this reader knows; the writer's: `hera_om.studies.record`."""
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ def cases(source: "str | Path | Run") -> Any:
 
 
 def _tables(path: Path) -> tuple[dict[str, str], list[tuple[int, str]]]:
-    """Both tables as they stand; opened for writing where possible, since a killed run may need a rollback."""
+    """Both tables; opened for writing where possible, since a killed run may need a rollback."""
     with contextlib.closing(sqlite3.connect(f"{path.as_uri()}?mode=rw", uri=True)) as c:
         names = {name for (name,) in c.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
         if not {"hera_om", "hera_om_history"} <= names:
@@ -176,22 +176,31 @@ def _run(path: Path, keys: Mapping[str, Any], rows: list[tuple[int, str]]) -> Ru
     if not isinstance(version, int):
         raise RecordError(f"{path}: damaged or never begun: it does not say its format")
     if version > FORMAT:
-        raise RecordError(f"{path}: format {version} is newer than {FORMAT}, the newest that this hera_om reads")
+        raise RecordError(
+            f"{path}: format {version} is newer than {FORMAT}, the newest that this hera_om reads"
+        )
     try:
         return Run(
             path=path,
-            **{k: keys[k] for k in ("kind", "definition", "definition_hash", "provenance", "options")},
+            kind=keys["kind"],
+            definition=keys["definition"],
+            definition_hash=keys["definition_hash"],
+            provenance=dict(keys["provenance"]),
+            options=dict(keys["options"]),
             variables=tuple(Variable(**v) for v in keys["variables"]),
             constraints=tuple(Constraint(**c) for c in keys["constraints"]),
             objective=_optional(keys, "objective", lambda o: Objective(**o)),
             history=tuple(_decode(path, f"history row {i}", text) for i, text in rows),
             baseline=_optional(keys, "snapshot:baseline", _snapshot),
             optimum=_optional(keys, "snapshot:optimum", _snapshot),
-            **{k: keys.get(k) for k in ("result", "failure", "started", "finished")},
+            result=keys.get("result"),
+            failure=keys.get("failure"),
+            started=keys.get("started"),
+            finished=keys.get("finished"),
         )
     except KeyError as error:
         raise RecordError(f"{path}: damaged: the key {error} is missing") from error
-    except (TypeError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError) as error:
         raise RecordError(f"{path}: damaged: {error}") from error
 
 

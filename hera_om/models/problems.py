@@ -1,0 +1,149 @@
+"""Problems: one builder a case, the same problem for every driver."""
+
+import openmdao.api as om
+
+from hera_om.aircraft.definition import Aircraft
+from hera_om.aircraft.paths import variable_box
+from hera_om.components.mass import MassProperties
+from hera_om.components.trim import TrimResiduals, start_values
+from hera_om.components.wingbox import frozen_remainder
+from hera_om.models.cases import MDO_GOAL, STARTS, TRIM_BALANCE, TRIM_GOAL, Goal, Limit, mdo_limits, table_4
+from hera_om.models.trimmed import TrimmedAircraft, aero_variables, aerodynamics, has_box
+
+# COBYLA first moves by a fifth of each variable's range; SLSQP stops when the scaled objective settles.
+DRIVERS = {
+    "SLSQP": {"tol": 1e-7, "maxiter": 60, "opt_settings": {}},
+    "COBYLA": {"tol": 1e-4, "maxiter": 400, "opt_settings": {"rhobeg": 0.2, "catol": 1e-5}},
+}
+
+
+def build_aircraft(aircraft: Aircraft, *, aero="lattice", name: str = "aircraft") -> om.Problem:
+    """The trimmed aircraft as a problem, set up, with the wing's remainder frozen at the baseline."""
+    remainder = baseline_remainder(aircraft, aero=aero) if has_box(aircraft) else 0.0
+    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, remainder=remainder), name=name, reports=False)
+    _set_up(problem)
+    return problem
+
+
+def build_mdo(
+    aircraft: Aircraft, *, driver: str = "SLSQP", aero="lattice", max_iterations: int | None = None, start: str = "baseline"
+) -> om.Problem:
+    """The problem of Table 7: the definition's variables, range, flying qualities and reserve factors, trim inside.
+
+    Args:
+        aircraft: a definition with variables, masses, a mission, and rotors or not.
+        driver: ``SLSQP`` or ``COBYLA``.
+        aero: ``lattice`` or a SurrogateSet.
+        max_iterations: of the driver; absent: see `DRIVERS`.
+        start: one of `cases.STARTS`.
+
+    Returns:
+        An OpenMDAO problem, set up, its variables at the start.
+
+    Raises:
+        ValueError: the definition lacks a part that the case needs, or an argument is not among the choices.
+    """
+    _require(aircraft, "mdo", variables=aircraft.variables, mass=aircraft.mass, mission=aircraft.mission)
+    problem = build_aircraft(aircraft, aero=aero, name="mdo")
+    box = variable_box(aircraft)
+    for i, n in enumerate(box.names):
+        problem.model.add_design_var(n, lower=box.lower[i], upper=box.upper[i], units=box.units[i])
+    _add_goals(problem, MDO_GOAL, mdo_limits(has_box(aircraft)))
+    problem.driver = make_driver(driver, max_iterations)
+    _set_up(problem)
+    set_start(problem, aircraft, start)
+    return problem
+
+
+def build_trim(aircraft: Aircraft, *, aero="lattice", load_factor: float = 1.0) -> om.Problem:
+    """The problem of Table 4: incidence, elevator and blade pitch for three balances and the best L/D, by SLSQP."""
+    _require(aircraft, "trim", mass=aircraft.mass)
+    model = om.Group()
+    model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
+    variables = aero_variables(aircraft)
+    point = ["x_cg", "z_cg", "mach", "altitude", "q_hat", "load_factor", *variables, *start_values(aircraft)]
+    if not _has_elevator(aircraft):
+        point = [n for n in point if n != "delta_e"]
+    model.add_subsystem("aero", aerodynamics(aircraft, aero), promotes_inputs=point, promotes_outputs=["*"])
+    model.add_subsystem(
+        "balance", TrimResiduals(aircraft=aircraft), promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"]
+    )
+    model.set_input_defaults("load_factor", val=load_factor)
+    for state, (low, high) in table_4(aircraft).items():
+        model.add_design_var(state, lower=low, upper=high, units="deg")
+    problem = om.Problem(model, name="trim", reports=False)
+    problem.driver = make_driver("SLSQP", None)
+    limits = [Limit(f"balance_{axis}", 0.0, 0.0, "equilibrium") for axis in _axes(aircraft)]
+    _add_goals(problem, TRIM_GOAL, limits, equality_ref=TRIM_BALANCE * 100)
+    _set_up(problem)
+    return problem
+
+
+def baseline_remainder(aircraft: Aircraft, *, aero="lattice") -> float:
+    """Frozen part of the wing's mass, kg: what the definition gives, or what the sized baseline leaves of its total."""
+    given = aircraft.wing.structure.mass_remainder_kg
+    if given is not None:
+        return given
+    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, close_mass=False), name="baseline", reports=False)
+    _set_up(problem)
+    problem.set_val("m_wing", aircraft.wing.structure.mass_total_baseline_kg, units="kg")
+    problem.run_model()
+    return frozen_remainder(aircraft, float(problem.get_val("m_primary", units="kg")[0]))
+
+
+def make_driver(name: str, max_iterations: int | None) -> om.ScipyOptimizeDriver:
+    """A SciPy driver on variables scaled to their bounds."""
+    if name not in DRIVERS:
+        raise ValueError(f"driver {name!r}: expected one of {', '.join(DRIVERS)}")
+    known = DRIVERS[name]
+    driver = om.ScipyOptimizeDriver(optimizer=name, tol=known["tol"], disp=False)
+    driver.options["maxiter"] = max_iterations or known["maxiter"]
+    driver.opt_settings.update(known["opt_settings"])
+    driver.autoscaler = om.BoundsAutoscaler()
+    return driver
+
+
+def set_start(problem: om.Problem, aircraft: Aircraft, start: str) -> None:
+    """Put the variables at the baseline or at a share of their ranges."""
+    if start not in STARTS:
+        raise ValueError(f"start {start!r}: expected one of {', '.join(STARTS)}")
+    share, box = STARTS[start], variable_box(aircraft)
+    for i, n in enumerate(box.names):
+        value = box.baseline[i] if share is None else box.lower[i] + share * (box.upper[i] - box.lower[i])
+        problem.set_val(n, value, units=box.units[i])
+
+
+def _add_goals(problem: om.Problem, goal: Goal, limits, equality_ref: float | None = None) -> None:
+    """Objective and constraints, scaled by their bounds."""
+    sign = -1.0 if goal.sense == "max" else 1.0
+    problem.model.add_objective(goal.name, ref=sign * goal.ref)
+    for limit in limits:
+        if limit.lower == limit.upper:
+            problem.model.add_constraint(limit.name, equals=limit.lower, ref=equality_ref)
+            continue
+        ref = max(abs(b) for b in (limit.lower, limit.upper) if b is not None)
+        bounds = {k: v for k, v in (("lower", limit.lower), ("upper", limit.upper)) if v is not None}
+        problem.model.add_constraint(limit.name, ref=ref, **bounds)
+
+
+def _set_up(problem: om.Problem) -> None:
+    """Set up quietly, in reverse mode: few outputs, and the vectors of loads stay inside."""
+    problem.setup(mode="rev")
+    problem.set_solver_print(level=-1)
+
+
+def _has_elevator(aircraft: Aircraft) -> bool:
+    """Whether there is an elevator."""
+    return aircraft.htail is not None and aircraft.htail.control.elevator is not None
+
+
+def _axes(aircraft: Aircraft) -> list[str]:
+    """Balances of the Table 4 problem."""
+    return ["z", *(["m"] if _has_elevator(aircraft) else []), *(["x"] if aircraft.rotor else [])]
+
+
+def _require(aircraft: Aircraft, case: str, **parts) -> None:
+    """Complain about parts that the case needs and the definition lacks."""
+    missing = [name for name, part in parts.items() if not part]
+    if missing:
+        raise ValueError(f"{case} of {aircraft.name!r} needs {', '.join(missing)} in its definition")

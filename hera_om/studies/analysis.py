@@ -1,0 +1,47 @@
+"""One flight condition, not trimmed: coefficients, derivatives, rotors; stability when there are masses."""
+
+from typing import Any
+
+import openmdao.api as om
+
+from hera_om.aircraft import Aircraft, definition_hash
+from hera_om.components.aero import Aerodynamics
+from hera_om.components.arrays import reference
+from hera_om.components.mass import MassProperties
+from hera_om.components.stability import Stability
+from hera_om.core.errors import AnalysisFailure
+from hera_om.studies.values import collect
+
+
+def analyze(aircraft: Aircraft) -> dict[str, Any]:
+    """Analyse a definition at its ``[flight]`` condition; any part may be absent.
+
+    Moments are about the definition's reference point, else the centre of gravity, else the quarter of the mean
+    aerodynamic chord.
+
+    Returns:
+        ``aircraft``, ``hash``, ``units``, and registry names with their values.
+
+    Raises:
+        AnalysisFailure: no finite or no converged solution.
+    """
+    problem = om.Problem(name="analyze", reports=False)
+    fixed_point = aircraft.reference.x_m is not None
+    if aircraft.mass:
+        outputs = [("x_cg", "x_cg_mass"), ("z_cg", "z_cg_mass"), "mass*", "I*"] if fixed_point else ["*"]
+        problem.model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes_inputs=["*"], promotes_outputs=outputs)
+    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
+    if aircraft.mass and aircraft.wing is not None:
+        problem.model.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
+    problem.setup()
+    problem.set_solver_print(level=-1)
+    try:
+        problem.run_model()
+    except om.AnalysisError as error:
+        raise AnalysisFailure(str(error), where="analyze") from error
+    values, units = collect(problem)
+    if aircraft.wing is not None and "x_np" not in values:
+        _, chord = reference(aircraft)
+        values["x_np"] = values["x_cg"] - float(chord) * values["Cm_alpha"] / values["CZ_alpha"]
+        units["x_np"] = "m"
+    return {"aircraft": aircraft.name, "hash": definition_hash(aircraft), "units": units, **values}
