@@ -18,6 +18,7 @@ from hera_om.physics.flight_dynamics import (
 from hera_om.physics.modes import longitudinal_modes
 
 RAD = np.pi / 180
+CX_U_OVER_CD = 2.0  # thrust held: V d/dV of T / (q S) = -2 T / (q S), and T = D
 # A conventional aircraft in cruise, so that the component runs before anything is connected to it.
 DEFAULTS = {
     "CL": 0.5, "CD": 0.03, "CX_alpha": -0.4, "CZ_alpha": 6.0, "Cm_alpha": -1.2, "CX_q": 0.0, "CZ_q": 9.0,
@@ -69,7 +70,7 @@ class Stability(JaxComponent):
     def evaluate(aircraft: Aircraft, statics: Any, constants: Any, inputs: Values) -> Values:
         """Margins and modes."""
         S, c = arrays.reference(aircraft)
-        slopes = LongitudinalDerivatives(**{n: inputs[n] for n in SLOPES}, CX_u=2.0 * inputs["CD"])
+        slopes = LongitudinalDerivatives(**{n: inputs[n] for n in SLOPES}, CX_u=CX_U_OVER_CD * inputs["CD"])
         attitude = inputs["alpha"] * RAD
         flight = SteadyFlight(inputs["speed"], inputs["density"], attitude, attitude)
         body = {"mass": inputs["mass_cruise"], "I_yy": inputs["Iyy"], "S": S, "c": c}

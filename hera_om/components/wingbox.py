@@ -110,11 +110,6 @@ class WingBox(JaxComponent):
         pull_up = dict(zip(("shear", "bending", "torsion"), loads[0][:3], strict=True))
         return out | pull_up | {"box_y": geometry.leading_edge[:, 1]}
 
-    def call(self):
-        """Forward mode always: of the same speed here, and compiled in half the time."""
-        function, forward, _ = super().call()
-        return function, forward, forward
-
     def store(self, out: Values, outputs) -> None:
         """Copy results, unless a station cannot carry its load at any thickness."""
         super().store(out, outputs)

@@ -1,5 +1,7 @@
 """Problems: one builder a case, the same problem for every driver."""
 
+import warnings
+
 import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
@@ -75,6 +77,10 @@ def build_trim(aircraft: Aircraft, *, aero="lattice", load_factor: float = 1.0) 
     problem.driver = make_driver("SLSQP", None)
     limits = [Limit(f"balance_{axis}", 0.0, 0.0, "equilibrium") for axis in _axes(aircraft)]
     _add_goals(problem, TRIM_GOAL, limits, equality_ref=TRIM_BALANCE * 100)
+    for rotor in aircraft.rotor:
+        if rotor.shaft_power_max_W is not None:
+            limit = rotor.shaft_power_max_W
+            model.add_constraint(f"power_{rotor.name}", upper=limit, ref=limit, units="W")
     _set_up(problem)
     return problem
 
@@ -127,8 +133,10 @@ def _add_goals(problem: om.Problem, goal: Goal, limits, equality_ref: float | No
 
 
 def _set_up(problem: om.Problem) -> None:
-    """Set up quietly, in reverse mode: few outputs, and the vectors of loads stay inside."""
-    problem.setup(mode="rev")
+    """Set up quietly, in the mode with fewer passes."""
+    # Newton's method inside a trim makes OpenMDAO count the whole model as one: so it is meant.
+    warnings.filterwarnings("ignore", category=om.OpenMDAOWarning, message=".*nonlinear solver that computes gradients")
+    problem.setup(mode="auto")
     problem.set_solver_print(level=-1)
 
 

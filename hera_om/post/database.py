@@ -143,10 +143,18 @@ def as_run(source: "str | Path | Run") -> Run:
 
 
 def cases(source: "str | Path | Run") -> Any:
-    """OpenMDAO's own reader on the same file, for its driver and problem cases."""
+    """OpenMDAO's own reader on the same file, for its driver and problem cases.
+
+    Raises:
+        RecordError: no model was run under this record, so that it has no cases.
+    """
     import openmdao.api as om
 
-    return om.CaseReader(str(as_run(source).path))
+    path = as_run(source).path
+    try:
+        return om.CaseReader(str(path))
+    except TypeError as error:  # OpenMDAO's metadata are null until a model starts
+        raise RecordError(f"{path}: the record has no cases of OpenMDAO") from error
 
 
 def _tables(path: Path) -> tuple[dict[str, str], list[tuple[int, str]]]:

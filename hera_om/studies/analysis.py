@@ -29,10 +29,12 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
     fixed_point = aircraft.reference.x_m is not None
     if aircraft.mass:
         outputs = [("x_cg", "x_cg_mass"), ("z_cg", "z_cg_mass"), "mass*", "I*"] if fixed_point else ["*"]
-        problem.model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes_inputs=["*"], promotes_outputs=outputs)
+        mass = MassProperties(aircraft=aircraft)
+        problem.model.add_subsystem("mass_properties", mass, promotes_inputs=["*"], promotes_outputs=outputs)
     problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
     if aircraft.mass and aircraft.wing is not None:
         problem.model.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
+        problem.model.set_input_defaults("alpha", val=aircraft.flight.alpha_deg, units="deg")
     problem.setup()
     problem.set_solver_print(level=-1)
     try:

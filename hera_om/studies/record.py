@@ -252,6 +252,18 @@ class _Cases(om.SqliteRecorder):
         with _named(self._filepath):
             super().record_iteration_problem(problem, data, metadata)
 
+    def record_metadata_system(self, *args, **kwargs) -> None:
+        with _named(self._filepath):
+            super().record_metadata_system(*args, **kwargs)
+
+    def record_metadata_solver(self, *args, **kwargs) -> None:
+        with _named(self._filepath):
+            super().record_metadata_solver(*args, **kwargs)
+
+    def record_derivatives_driver(self, *args, **kwargs) -> None:
+        with _named(self._filepath):
+            super().record_derivatives_driver(*args, **kwargs)
+
     def shutdown(self) -> None:
         super().shutdown()
         self.connection = self.metadata_connection = None  # a later run of the problem is not recorded
@@ -283,7 +295,8 @@ def _variables(aircraft: Aircraft) -> list[Row]:
 def _registry_scalars(problem: om.Problem) -> list[str]:
     """Promoted names of the outputs that are single numbers with a registry name."""
     meta = problem.model.get_io_metadata(iotypes=("output",), metadata_keys=("shape",))
-    names = {m["prom_name"] for m in meta.values() if m["shape"] is not None and math.prod(m["shape"]) == 1}
+    own = {name: m for name, m in meta.items() if not name.startswith("_auto_ivc.")}  # the rest are inputs
+    names = {m["prom_name"] for m in own.values() if m["shape"] is not None and math.prod(m["shape"]) == 1}
     return sorted(n for n in names if _known(n))
 
 

@@ -11,7 +11,6 @@ from hera_om.components.aero import Aerodynamics
 from hera_om.studies.values import collect
 
 BOX = ("t_skin_upper", "t_skin_lower", "t_web_front", "t_web_rear", "RFC_span", "RFT_span", "bending", "shear", "torsion")
-STATE = ("alpha", "delta_e", "q_hat", "mach", "altitude", "x_cg", "z_cg")
 
 
 def snapshot(aircraft: Aircraft, problem: om.Problem) -> dict[str, Any]:
@@ -81,8 +80,8 @@ def _without_rotors(aircraft: Aircraft, values: dict[str, Any]) -> list[float]:
     problem = om.Problem(name="without_rotors", reports=False)
     problem.model.add_subsystem("aero", Aerodynamics(aircraft=bare), promotes=["*"])
     problem.setup()
-    for name in (*STATE, *(v.name for v in kept if v.name in values)):
-        if name in values and name in problem.model._var_allprocs_prom2abs_list["input"]:
-            problem.set_val(name, values[name])
+    known = {m["prom_name"] for m in problem.model.get_io_metadata(iotypes=("input",)).values()}
+    for name in known & values.keys():
+        problem.set_val(name, values[name])
     problem.run_model()
     return problem.get_val("cl_span").tolist()

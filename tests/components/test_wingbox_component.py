@@ -85,7 +85,7 @@ def test_caps_are_given(hera, baseline):
 
 
 def test_shear_and_bending_at_the_joint_by_hand(hera, baseline):
-    # lift outboard of the joint less 2.5 g of what hangs there; the structure by chord^2 t/c, the tank likewise
+    # lift outboard of the joint less 2.5 g of what hangs there; structure and fuel by chord^2 t/c
     y = np.linspace(JOINT, TIP, 20001)
     theta = np.arccos(JOINT / TIP)
     outboard = (theta - 0.5 * np.sin(2.0 * theta)) / (np.pi / 2.0)
@@ -168,10 +168,11 @@ def test_missing_parts_are_named(hera):
 
 
 def test_partials(hera, check_partials):
+    # Section loads are once differentiable only: no station may stand within a step of the end of a ramp.
     problem = set_up(hera, remainder=100.0)
     random = np.random.default_rng(3)
     edges = problem.get_val("pullup_strip_edge")
-    values = loads_of(edges) | {"y_kink": 6.1, "y_prop": 8.7, "A_cap_root": 2.7e-3, "m_wing_relief": 2900.0}
+    values = loads_of(edges) | {"y_kink": 6.2, "y_prop": 8.7, "A_cap_root": 2.7e-3, "m_wing_relief": 2900.0}
     for prefix in ("pullup_", "cruise_"):
         values[f"{prefix}strip_force"] = values[f"{prefix}strip_force"] * random.uniform(
             0.9, 1.1, (STRIPS, 3)
@@ -183,4 +184,5 @@ def test_partials(hera, check_partials):
     problem.run_model()
     box = problem.model.box
     inputs = {n: np.array(problem.get_val(n)) for n in box._var_rel_names["input"]}
-    check_partials(box, inputs)
+    # Maxima of exponent 200 curve within a millimetre of a strip's point: short steps.
+    check_partials(box, inputs, relative_step=2e-5)

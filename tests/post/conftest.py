@@ -1,5 +1,7 @@
 """A synthetic run, written through `Record` with numbers that are plausible for the shipped aircraft."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -16,22 +18,29 @@ CONSTRAINTS = [
 ]
 OBJECTIVE = {"name": "range_fixed_mass", "units": "km", "sense": "max"}
 START = {
-    "y_kink": 5.6, "theta_tip": -3.0, "y_prop": 8.0, "htail_scale": 1.0, "A_cap_root": 3e-3, "A_stringer_root": 3.5e-4,
+    "y_kink": 5.6, "theta_tip": -3.0, "y_prop": 8.0, "htail_scale": 1.0, "A_cap_root": 3e-3,
+    "A_stringer_root": 3.5e-4,
 }  # fmt: skip
 END = {
-    "y_kink": 4.1, "theta_tip": -1.2, "y_prop": 10.0, "htail_scale": 1.08, "A_cap_root": 2.2e-3, "A_stringer_root": 6e-4,
+    "y_kink": 4.1, "theta_tip": -1.2, "y_prop": 10.0, "htail_scale": 1.08, "A_cap_root": 2.2e-3,
+    "A_stringer_root": 6e-4,
 }  # fmt: skip
 BEFORE = {
-    "CL": 0.4851, "CD": 0.03042, "CDi": 0.00655, "CDi_near": 0.00668, "CD_slipstream": -0.00051, "CD_profile": 0.0108,
-    "CD_fuselage": 0.00502, "CD_areas": 0.00843, "L_over_D": 15.95, "alpha": 0.93, "delta_e": -1.2, "power": 3.65e6,
-    "static_margin": 0.215, "omega_sp": 2.12, "zeta_sp": 0.61, "zeta_ph": 0.0443, "CAP": 0.41, "RFC": 1.86, "RFT": 1.71,
+    "CL": 0.4851, "CD": 0.03042, "CDi": 0.00655, "CDi_near": 0.00668, "CD_slipstream": -0.00051,
+    "CD_profile": 0.0108,
+    "CD_fuselage": 0.00502, "CD_areas": 0.00843, "L_over_D": 15.95, "alpha": 0.93, "delta_e": -1.2,
+    "power": 3.65e6,
+    "static_margin": 0.215, "omega_sp": 2.12, "zeta_sp": 0.61, "zeta_ph": 0.0443, "CAP": 0.41, "RFC": 1.86,
+    "RFT": 1.71,
     "m_wing": 3300.0, "mass": 28153.0, "range_fixed_mass": 1218.0, "m_skins": 1310.0, "m_webs": 214.0,
     "m_caps": 402.0, "m_stringers": 371.0, "m_ribs": 130.0, "m_remainder": 444.6,
 }  # fmt: skip
 AFTER = BEFORE | {
     "CD": 0.02940, "CDi": 0.00600, "CDi_near": 0.00612, "CD_slipstream": -0.00073, "CD_profile": 0.01064,
-    "CD_areas": 0.00835, "L_over_D": 16.31, "alpha": 0.71, "delta_e": -0.8, "power": 3.52e6, "static_margin": 0.287,
-    "omega_sp": 2.30, "zeta_sp": 0.68, "zeta_ph": 0.0434, "CAP": 0.47, "RFC": 1.5, "RFT": 1.52, "m_wing": 2921.0,
+    "CD_areas": 0.00835, "L_over_D": 16.31, "alpha": 0.71, "delta_e": -0.8, "power": 3.52e6,
+    "static_margin": 0.287,
+    "omega_sp": 2.30, "zeta_sp": 0.68, "zeta_ph": 0.0434, "CAP": 0.47, "RFC": 1.5, "RFT": 1.52,
+    "m_wing": 2921.0,
     "range_fixed_mass": 1396.0, "m_skins": 1010.0, "m_webs": 205.0, "m_caps": 295.0, "m_stringers": 480.0,
     "m_ribs": 120.0,
 }  # fmt: skip
@@ -106,11 +115,12 @@ def result():
         margin = min(value - low, (high - value) if high is not None else np.inf)
         active = c["name"] in multipliers
         told[c["name"]] = {
-            "value": value, "lower": low, "upper": high, "margin": margin, "multiplier": multipliers.get(c["name"], 0.0),
-            "active": active, "violated": False,
+            "value": value, "lower": low, "upper": high, "margin": margin,
+            "multiplier": multipliers.get(c["name"], 0.0), "active": active, "violated": False,
         }  # fmt: skip
     return {
-        "baseline": BEFORE | START, "optimum": AFTER | END, "constraints": told, "success": True, "feasible": True,
+        "baseline": BEFORE | START, "optimum": AFTER | END, "constraints": told,
+        "success": True, "feasible": True,
         "message": "Optimization terminated successfully", "iterations": 9, "evaluations": 12, "gradients": 9,
         "seconds": 58.3,
         "gain": {
@@ -139,6 +149,15 @@ def write(path, *, until="result"):
         if until == "result":
             r.result(result())
     return path
+
+
+@pytest.fixture(scope="session")
+def synthetic():
+    """The numbers of the synthetic run, and what writes it."""
+    return SimpleNamespace(
+        before=BEFORE, after=AFTER, start=START, end=END, constraints=CONSTRAINTS, objective=OBJECTIVE,
+        arrays=arrays, row=row, result=result, write=write,
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="session")
