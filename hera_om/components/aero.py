@@ -13,28 +13,50 @@ from jax.flatten_util import ravel_pytree
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
-from hera_om.physics.aerodynamics import AeroResult, evaluate
 from hera_om.physics.aero_cases import Body
-from hera_om.physics.coupling import Controls, Root, Setting, System, carry_derivatives, find_root, join_factors, make_system, split_factors
+from hera_om.physics.aerodynamics import AeroResult, evaluate
+from hera_om.physics.coupling import (
+    Controls,
+    Root,
+    Setting,
+    System,
+    carry_derivatives,
+    find_root,
+    join_factors,
+    make_system,
+    split_factors,
+)
 from hera_om.physics.geometry import CAMBER
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
 COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
-GEOMETRY = ("wing", "htail", "lattice")  # what the factorised system reads, beside the disks and the Mach number
+GEOMETRY = (
+    "wing",
+    "htail",
+    "lattice",
+)  # what the factorised system reads, beside the disks and the Mach number
 
 
 class Aerodynamics(JaxComponent):
     """Coefficients, drag build-up, power-on derivatives and loads at one flight condition.
 
-    Evaluation has two stages: assembly and factorisation, which read geometry and Mach number, are kept while those
-    stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then cheap.
+    Evaluation has two stages: assembly and factorisation, which read geometry and Mach number, are kept while
+    those stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then cheap.
 
     While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
     elevator and blade pitch, from derivatives that `compute` has found anyway.
     """
 
-    READS = ("wing.section", "wing.x_le_root_m", "wing.z_root_m", "wing.incidence_deg", "wing.polar", "htail", "vtail")
+    READS = (
+        "wing.section",
+        "wing.x_le_root_m",
+        "wing.z_root_m",
+        "wing.incidence_deg",
+        "wing.polar",
+        "htail",
+        "vtail",
+    )
     READS += ("fuselage", "drag_area", "rotor", "blade", "reference", "flight")
     states_only = False
 
@@ -45,12 +67,19 @@ class Aerodynamics(JaxComponent):
         self.constants = tuple(arrays.grids(aircraft))
         point = np.asarray(arrays.moment_point(aircraft))
         flight = aircraft.flight
-        defaults = {"alpha": flight.alpha_deg, "q_hat": flight.q_hat, "delta_e": flight.delta_e_deg, "mach": flight.mach}
+        defaults = {
+            "alpha": flight.alpha_deg,
+            "q_hat": flight.q_hat,
+            "delta_e": flight.delta_e_deg,
+            "mach": flight.mach,
+        }
         defaults |= {"altitude": flight.altitude_m, "x_cg": point[0], "z_cg": point[2]}
         defaults |= {f"theta_{r.name}": r.beta75_deg for r in aircraft.rotor}
         for name, value in defaults.items():
             self.add(name, val=value)
-        self.add("load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat")
+        self.add(
+            "load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat"
+        )
         for name, shape in self.statics.outputs(aircraft).items():
             self.add(name, shape=shape, **_TEXTS.get(name, {}))
 
@@ -63,7 +92,8 @@ class Aerodynamics(JaxComponent):
         super().store(out, outputs)
         if float(out["coupling_residual"]) > UNCONVERGED:
             raise om.AnalysisError(
-                f"{self.pathname}: lattice and rotors have not converged (residual {float(out['coupling_residual']):.1e} "
+                f"{self.pathname}: lattice and rotors have not converged "
+                f"(residual {float(out['coupling_residual']):.1e} "
                 f"of the flight speed, limit {UNCONVERGED:.0e})"
             )
 
@@ -78,38 +108,58 @@ class Aerodynamics(JaxComponent):
         names = tuple(sorted(self._var_rel_names["output"]))
         fixed = self._fixed_names()
         moving = tuple(n for n in sorted(values) if n not in fixed)
-        tangents = by_system(*self._static(), fixed, self.base, self.constants, values)
+        static = self._static()
+        tangents = _keep(
+            _tangents,
+            (*self._system_key(values), fixed),
+            lambda: by_system(*static, fixed, self.base, self.constants, values),
+        )
         args = (self.base, self.constants, kept.system, kept.root, kept.inverse, values)
-        matrix = by_input(*self._static(), names, fixed, moving, *args, tangents)
-        fill_partials(partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs)
+        matrix = by_input(*static, names, fixed, moving, *args, tangents)
+        fill_partials(
+            partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs
+        )
 
     def _balances(self, partials, kept: "State") -> None:
-        """Partials of the balances by the trim's states, per degree, from the derivatives among the outputs."""
-        by = [("alpha", 0), ("delta_e", 2), *((f"theta_{g}", 3 + i) for i, g in enumerate(self.statics.groups))]
+        """Partials of the balances by the trim's states, per degree, from derivatives among the outputs."""
+        by = [
+            ("alpha", 0),
+            ("delta_e", 2),
+            *((f"theta_{g}", 3 + i) for i, g in enumerate(self.statics.groups)),
+        ]
         for wrt, column in by:
             for of, row in zip(COEFFICIENTS, kept.by, strict=True):
                 partials[of, wrt] = float(row[column]) * RAD
             for i, group in enumerate(self.statics.groups):
-                members = [k for k, g in enumerate(self.statics.rotors.groups) if g == i]
-                partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
+                members = self.statics.members(i)
+                partials[f"thrust_{group}", wrt] = (
+                    float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
+                )
 
     def _fixed_names(self) -> tuple[str, ...]:
         """Inputs that the factorised system depends on."""
-        reads = [n for n, path in self.paths.items() if path.split(".")[0] in (*GEOMETRY, "rotor", "blade", "flight")]
+        reads = [
+            n
+            for n, path in self.paths.items()
+            if path.split(".")[0] in (*GEOMETRY, "rotor", "blade", "flight")
+        ]
         return tuple(sorted([*reads, "mach"]))
 
     def _static(self) -> tuple[Any, ...]:
         return self.structure, self.statics, tuple(self.paths.items())
 
+    def _system_key(self, values: Values) -> tuple[Any, ...]:
+        """What the factorised system depends on."""
+        read = tuple((n, float(values[n])) for n in self._fixed_names())
+        return self.structure, self.statics, self.base.tobytes(), read
+
     def _state(self, values: Values) -> "State":
         """The state at these inputs: evaluated, or kept from the last few calls of any instance."""
-        read = {n: float(values[n]) for n in self._fixed_names()}
-        common = (self.structure, self.statics, self.base.tobytes())
         assemble, state, _, _ = _stages()
-        static = self._static()
-        system = _keep(_systems, (*common, tuple(read.items())), lambda: assemble(*static, self.base, self.constants, values))
-        key = (*common, tuple((n, float(v)) for n, v in sorted(values.items())))
-        return _keep(_states, key, lambda: state(*static, self.base, self.constants, system, values))
+        static, key = self._static(), self._system_key(values)
+        system = _keep(_systems, key, lambda: assemble(*static, self.base, self.constants, values))
+        at = (*key, tuple((n, float(v)) for n, v in sorted(values.items())))
+        return _keep(_states, at, lambda: state(*static, self.base, self.constants, system, values))
 
 
 class State(NamedTuple):
@@ -127,6 +177,7 @@ UNCONVERGED = 1e-9  # of the flight speed: residual of the coupling above which 
 KEPT = 4
 _systems: OrderedDict[Any, System] = OrderedDict()
 _states: OrderedDict[Any, State] = OrderedDict()
+_tangents: OrderedDict[Any, System] = OrderedDict()
 
 
 def _keep(store: OrderedDict, key, make):
@@ -162,7 +213,16 @@ class AeroPlan:
 
     def outputs(self, aircraft) -> dict[str, tuple[int, ...]]:
         """Names and shapes of the outputs."""
-        scalars = [*COEFFICIENTS, "L_over_D", "CDi", "CDi_near", "CD_slipstream", "CD_profile", "CD_fuselage", "CD_areas"]
+        scalars = [
+            *COEFFICIENTS,
+            "L_over_D",
+            "CDi",
+            "CDi_near",
+            "CD_slipstream",
+            "CD_profile",
+            "CD_fuselage",
+            "CD_areas",
+        ]
         scalars += ["lift_margin", "dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
         scalars += [f"{c}_{by}" for c in COEFFICIENTS for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
@@ -170,13 +230,17 @@ class AeroPlan:
             out |= {name: (1,) for name in ("thrust", "power")}
             families = ("thrust", "power", "CT", "CP", "eta")
             out |= {f"{f}_{g}": (1,) for g in self.groups for f in families}
-            m = len(self.rotors.groups)
+            m = sum(len(self.members(i)) for i in range(len(self.groups)))
             out |= {"rotor_hub": (m, 3), "rotor_force": (m, 3), "rotor_moment": (m, 3)}
         if aircraft.wing is not None:
             ns = aircraft.lattice.wing_spanwise
             out |= {"cl_span": (ns,), "y_span": (ns,), "strip_edge": (ns + 1,), "strip_point": (ns, 3)}
             out |= {"strip_force": (ns, 3), "strip_moment": (ns, 3)}
         return out
+
+    def members(self, group: int) -> list[int]:
+        """Indices of the rotors of a group."""
+        return [] if self.rotors is None else [k for k, g in enumerate(self.rotors.groups) if g == group]
 
     @property
     def by(self) -> tuple[str, ...]:
@@ -186,7 +250,9 @@ class AeroPlan:
 
 
 _TEXTS: dict[str, dict[str, Any]] = {
-    "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
+    "lift_margin": {
+        "desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"
+    },
     "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
     "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
     "q_S": {"units": "N", "desc": "dynamic pressure times reference area"},
@@ -214,14 +280,20 @@ def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tup
     point = jnp.stack([inputs["x_cg"], jnp.zeros(()), inputs["z_cg"]])
     flow = arrays.flow(aircraft, inputs["mach"], inputs["altitude"], point)
     body = arrays.body(aircraft, flow)
-    turning = jnp.where(flow.speed > 0, pull_up_rate(jnp.where(flow.speed > 0, flow.speed, 1.0), inputs["load_factor"]), 0.0)
+    turning = jnp.where(
+        flow.speed > 0, pull_up_rate(jnp.where(flow.speed > 0, flow.speed, 1.0), inputs["load_factor"]), 0.0
+    )
     q_hat = inputs["q_hat"] + turning * body.c / (2 * jnp.where(flow.speed > 0, flow.speed, 1.0))
     theta = [inputs[f"theta_{g}"] * RAD for g in statics.groups]
-    x = Controls(inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0))
+    x = Controls(
+        inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0)
+    )
     return x, Setting(system, arrays.rotors(aircraft), flow, body.c), body
 
 
-def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse) -> AeroResult:
+def _evaluate(
+    aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse
+) -> AeroResult:
     """Second stage at a root; with ``inverse`` the root carries derivatives."""
     x, at, body = _setting(aircraft, statics, system, inputs)
     flat = root.flat if inverse is None else carry_derivatives(root, inverse, x, at, statics.rotors)
@@ -232,7 +304,9 @@ def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Va
 def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
     """Outputs by name."""
     _, at, body = _setting(aircraft, statics, system, inputs)
-    out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
+    out = (
+        _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
+    )
     if at.rotors is not None:
         out |= _rotor_outputs(statics, result, at.rotors, at.flow)
     if aircraft.wing is not None:
@@ -242,7 +316,7 @@ def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result
 
 def _coefficients(statics: AeroPlan, result: AeroResult) -> Values:
     """Coefficients and their derivatives, angles per radian."""
-    out = dict(zip(COEFFICIENTS, result.total, strict=True))
+    out: Values = dict(zip(COEFFICIENTS, result.total, strict=True))
     out["L_over_D"] = result.total.CL / jnp.where(result.total.CD == 0, 1.0, result.total.CD)
     columns = ["alpha", "q", "delta_e", *(f"theta_{g}" for g in statics.groups)]
     for name, row, lag in zip(COEFFICIENTS, result.derivatives, result.alphadot, strict=True):
@@ -275,20 +349,26 @@ def _air(result: AeroResult, flow, body: Body) -> Values:
     """Stream and stall margin."""
     margin = jnp.minimum(result.lift_margin, 1e3)
     q = 0.5 * flow.density * flow.speed**2
-    out = {"lift_margin": margin, "dynamic_pressure": q, "speed": flow.speed, "density": flow.density, "q_S": q * body.S}
+    out = {
+        "lift_margin": margin,
+        "dynamic_pressure": q,
+        "speed": flow.speed,
+        "density": flow.density,
+        "q_S": q * body.S,
+    }
     return out | {"coupling_residual": result.residual}
 
 
 def _rotor_outputs(statics: AeroPlan, result: AeroResult, rotors, flow) -> Values:
     """One rotor of each group, and the sums over all rotors."""
     r, plan = result.loads.rotors, statics.rotors
-    first = [plan.groups.index(i) for i in range(len(statics.groups))]
+    assert r is not None and plan is not None
     advance = jnp.where(r.CP == 0, 0.0, r.CT / jnp.where(r.CP == 0, 1.0, r.CP)) * (
         flow.speed * np.pi / (rotors.omega * rotors.radius)
     )
     out = {"thrust": plan.sides * jnp.sum(r.thrust), "power": plan.sides * jnp.sum(r.power)}
-    for name, i in zip(statics.groups, first, strict=True):
-        members = jnp.asarray([k for k, g in enumerate(plan.groups) if g == statics.groups.index(name)])
+    for i, name in enumerate(statics.groups):
+        members = jnp.asarray(statics.members(i))
         out |= {f"thrust_{name}": jnp.mean(r.thrust[members]), f"power_{name}": jnp.mean(r.power[members])}
         out |= {f"CT_{name}": jnp.mean(r.CT[members]), f"CP_{name}": jnp.mean(r.CP[members])}
         out[f"eta_{name}"] = jnp.mean(advance[members])
@@ -298,6 +378,7 @@ def _rotor_outputs(statics: AeroPlan, result: AeroResult, rotors, flow) -> Value
 def _wing_outputs(system: System, result: AeroResult, flow) -> Values:
     """Section lift and dimensional loads of the wing's strips."""
     q = 0.5 * flow.density * flow.speed**2
+    assert system.wing_edges is not None
     ns = system.wing_edges.shape[0] - 1
     wing = jax.tree.map(lambda v: v[:ns], result.loads.surfaces)
     return {
@@ -338,7 +419,21 @@ def _stages():
         start = jnp.stack([jnp.asarray(inputs[n]) for n in wrt])
         return jax.vmap(lambda direction: jax.jvp(run, (start,), (direction,))[1])(jnp.eye(len(wrt)))
 
-    def by_input(structure, statics, paths, names, fixed, moving, base, constants, system, root, inverse, inputs, tangents):
+    def by_input(
+        structure,
+        statics,
+        paths,
+        names,
+        fixed,
+        moving,
+        base,
+        constants,
+        system,
+        root,
+        inverse,
+        inputs,
+        tangents,
+    ):
         """Jacobian of all outputs, columns in alphabetical order of the inputs."""
 
         def run(varying, v):

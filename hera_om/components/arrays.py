@@ -21,20 +21,24 @@ NO_POLAR = StripPolar(0.0, 0.0, 0.0, 1e6, 10.0)
 
 
 def grids(aircraft: Aircraft) -> list[Grid]:
-    """Panel layouts of the wing and the tail, cut at the baseline; they keep their shares when sections move."""
+    """Panel layouts of wing and tail, cut at the baseline; they keep their shares when sections move."""
     lat, out = aircraft.lattice, []
     if aircraft.wing is not None:
         y = [s.y_m for s in aircraft.wing.section]
         names = [s.airfoil for s in aircraft.wing.section]
         out.append(_grid(y, names, lat.wing_chordwise, lat.wing_spanwise, aircraft))
     if aircraft.htail is not None:
-        out.append(_grid([0.0, 1.0], [aircraft.htail.airfoil] * 2, lat.tail_chordwise, lat.tail_spanwise, aircraft))
+        out.append(
+            _grid([0.0, 1.0], [aircraft.htail.airfoil] * 2, lat.tail_chordwise, lat.tail_spanwise, aircraft)
+        )
     return out
 
 
 def _grid(y, names, nc: int, ns: int, aircraft: Aircraft) -> Grid:
     """Grid of one surface by the definition's spacing laws."""
-    return make_grid(y, names, nc=nc, ns=ns, span=aircraft.lattice.spacing, chord=aircraft.lattice.chordwise_spacing)
+    return make_grid(
+        y, names, nc=nc, ns=ns, span=aircraft.lattice.spacing, chord=aircraft.lattice.chordwise_spacing
+    )
 
 
 def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
@@ -46,7 +50,9 @@ def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
         tail, grid = tail_sections(aircraft.htail), rest.pop(0)
         elevator = aircraft.htail.control.elevator
         if elevator is not None:
-            share = hinge_share(grid, tail.y, ends=(0.0, tail.y[-1]), hinge=elevator.hinge, gain=elevator.gain)
+            share = hinge_share(
+                grid, tail.y, ends=(0.0, tail.y[-1]), hinge=elevator.hinge, gain=elevator.gain
+            )
             grid = grid._replace(hinge_share=share)
         out.append(Surface(tail, grid, _polar(aircraft.htail.polar)))
     return out
@@ -54,12 +60,15 @@ def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
 
 def _polar(polar) -> StripPolar:
     """Polar of a surface; without one there is no profile drag."""
-    return NO_POLAR if polar is None else StripPolar(polar.cd_min, polar.cl_at_cd_min, polar.k, polar.re, polar.cl_max)
+    if polar is None:
+        return NO_POLAR
+    return StripPolar(polar.cd_min, polar.cl_at_cd_min, polar.k, polar.re, polar.cl_max)
 
 
 def wing_arrays(aircraft: Aircraft) -> Sections:
     """Sections of the wing with incidence and twist together."""
     wing = aircraft.wing
+    assert wing is not None
     places = wing_sections(wing, jnp.tan)
     twist = [(wing.incidence_deg + s.twist_deg) * RAD for s in wing.section]
     x, y, z = (jnp.stack([jnp.asarray(v, float) for v in axis]) for axis in zip(*places, strict=True))
@@ -116,11 +125,17 @@ def _rotor(aircraft: Aircraft, group, y) -> Rotors:
         chord=_row(blade.c),
         twist=_row(blade.twist_deg) * RAD,
         polar=SectionPolar(
-            p.cl_alpha_per_rad, p.alpha_zero_lift_deg * RAD, p.cd_min, p.cl_at_cd_min, p.k, p.cl_max, float(p.compressible)
+            p.cl_alpha_per_rad,
+            p.alpha_zero_lift_deg * RAD,
+            p.cd_min,
+            p.cl_at_cd_min,
+            p.k,
+            p.cl_max,
+            float(p.compressible),
         ),
-        blades=float(group.blades),
+        blades=jnp.asarray(float(group.blades)),
         omega=group.rpm * 2 * np.pi / 60,
-        sense=sense_sign(group.sense, 1.0),
+        sense=jnp.asarray(sense_sign(group.sense, 1.0)),
     )
 
 
@@ -182,7 +197,9 @@ def _fin(fin, unit):
     area = fin.S_m2 * fin.scale**2
     height = jnp.sqrt(fin.aspect_ratio * area)
     p = fin.polar
-    cd = section_profile_drag(0.0, unit * area / height, cd_min=p.cd_min, cl_at_cd_min=p.cl_at_cd_min, k=p.k, re_ref=p.re)
+    cd = section_profile_drag(
+        0.0, unit * area / height, cd_min=p.cd_min, cl_at_cd_min=p.cl_at_cd_min, k=p.k, re_ref=p.re
+    )
     return cd * area, fin.z_root_m + 0.5 * height
 
 

@@ -1,7 +1,7 @@
 """The one base class that wraps a jitted physics function as an OpenMDAO component."""
 
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 import jax
@@ -21,11 +21,11 @@ Values = dict[str, Any]
 class JaxComponent(om.ExplicitComponent):
     """A physics function of the definition's numbers and of named inputs.
 
-    A subclass says what it reads (`READS`: prefixes of definition paths; the design variables under them become
-    inputs), adds its own inputs and outputs in `declare`, and gives `evaluate`, a static method
-    ``(aircraft, statics, constants, inputs) -> outputs`` of traced values. It is compiled once a process for each
-    structure of definition, not once an instance; derivatives are exact and dense, by the cheaper of forward and
-    reverse mode.
+    A subclass says what it reads (`READS`: prefixes of definition paths; the design variables under them
+    become inputs), adds its own inputs and outputs in `declare`, and gives `evaluate`, a static method
+    ``(aircraft, statics, constants, inputs) -> outputs`` of traced values. It is compiled once a process for
+    each structure of definition, not once an instance; derivatives are exact and dense, by the cheaper of
+    forward and reverse mode.
     """
 
     READS: tuple[str, ...] = ()
@@ -52,7 +52,8 @@ class JaxComponent(om.ExplicitComponent):
         self.paths: dict[str, str] = {}
         self._add_variables(aircraft)
         self.declare()
-        self.declare_partials("*", "*")
+        if self._var_rel_names["input"]:
+            self.declare_partials("*", "*")
 
     def _add_variables(self, aircraft: Aircraft) -> None:
         """Make the design variables that this component reads its inputs."""
@@ -62,14 +63,17 @@ class JaxComponent(om.ExplicitComponent):
                 self.paths[name] = path
                 self.add_input(name, val=value, units=units, desc=f"design variable {path}")
 
-    def add(self, name: str, *, shape: tuple[int, ...] = (1,), units: str | None = None, desc: str = "", val=None) -> None:
+    def add(
+        self, name: str, *, shape: tuple[int, ...] = (1,), units: str | None = None, desc: str = "", val=None
+    ) -> None:
         """Add an input (with ``val``) or an output (without) by the registry, or by what is given."""
         known = quantity(name) if not desc else None
         units, desc = (known.units, known.desc) if known else (units, desc)
         if val is None:
             self.add_output(name, shape=shape, units=units, desc=desc)
         else:
-            self.add_input(name, val=np.asarray(val, float), units=units, desc=desc)
+            start: Any = np.asarray(val, float)
+            self.add_input(name, val=start, units=units, desc=desc)
 
     def values(self, inputs) -> Values:
         """Inputs as float64 arrays by name (Python floats would retrace), single numbers without an axis."""
@@ -83,7 +87,14 @@ class JaxComponent(om.ExplicitComponent):
     def compute(self, inputs, outputs) -> None:
         """Evaluate; a value that is not finite is an AnalysisError that names it."""
         function, _, _ = self.call()
-        out = function(self.structure, self.statics, tuple(self.paths.items()), self.base, self.constants, self.values(inputs))
+        out = function(
+            self.structure,
+            self.statics,
+            tuple(self.paths.items()),
+            self.base,
+            self.constants,
+            self.values(inputs),
+        )
         self.store(out, outputs)
 
     def store(self, out: Values, outputs) -> None:
@@ -99,7 +110,7 @@ class JaxComponent(om.ExplicitComponent):
         values = self.values(inputs)
         _, forward, reverse = self.call()
         n_in = sum(v.size for v in values.values())
-        n_out = sum(self._outputs[name].size for name in self._var_rel_names["output"])
+        n_out = sum(self._var_rel2meta[name]["size"] for name in self._var_rel_names["output"])
         jac = forward if n_in <= n_out else reverse
         names = tuple(self._var_rel_names["output"])
         args = (self.structure, self.statics, tuple(self.paths.items()), names)
@@ -108,7 +119,7 @@ class JaxComponent(om.ExplicitComponent):
 
 
 def fill_partials(partials, matrix: np.ndarray, names, values: Mapping[str, np.ndarray], outputs) -> None:
-    """Cut a dense Jacobian (outputs by inputs, both in alphabetical order of their names) into OpenMDAO's blocks."""
+    """Cut a dense Jacobian into OpenMDAO's blocks; its rows and columns go by the alphabet of the names."""
     row = 0
     for of in sorted(names):
         height, column = outputs[of].size, 0
@@ -119,7 +130,7 @@ def fill_partials(partials, matrix: np.ndarray, names, values: Mapping[str, np.n
         row += height
 
 
-@lru_cache(maxsize=None)
+@cache
 def _compiled(evaluate):
     """Value, forward and reverse Jacobian of an ``evaluate``, compiled once a process."""
 

@@ -27,7 +27,7 @@ class Structure:
         return isinstance(other, Structure) and self._hash == other._hash and self.blank == other.blank
 
     def aircraft(self, base, changes: Mapping[str, Any]) -> Aircraft:
-        """The definition with ``base`` as its numbers, some of them replaced by path; traced values are welcome."""
+        """The definition with ``base`` as its numbers, some replaced by path; traced values are welcome."""
         values = list(jnp.asarray(base))
         for path, value in changes.items():
             values[self._index[path]] = value

@@ -26,8 +26,8 @@ class SurrogateAerodynamics(om.ExplicitComponent):
     """All outputs of `Aerodynamics` from a SurrogateSet, with exact derivatives.
 
     Mach number and altitude are those it was trained at; any other value, like a point outside the box of the
-    samples, is an AnalysisError: a surrogate is not asked where it knows nothing. The pitch rate of a pull-up enters
-    through the surrogate's own derivatives by q_hat.
+    samples, is an AnalysisError: a surrogate is not asked where it knows nothing. The pitch rate of a pull-up
+    enters the coefficients through the surrogate's own derivatives by q_hat.
     """
 
     states_only = False  # the lattice's shortcut for Newton's method; a surrogate's derivatives cost nothing
@@ -94,15 +94,14 @@ class SurrogateAerodynamics(om.ExplicitComponent):
 
 
 def interface(aircraft: Aircraft) -> list[tuple[str, str, dict]]:
-    """Inputs and outputs of `Aerodynamics` for an aircraft: kind, name, and what `add_input` or `add_output` takes."""
-    problem = om.Problem(name="interface", reports=False)
-    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft))
+    """Inputs and outputs of `Aerodynamics` for an aircraft: kind, name, arguments of `add_input`, `add_output`."""
+    problem, aero = om.Problem(reports=False), Aerodynamics(aircraft=aircraft)
+    problem.model.add_subsystem("aero", aero)
     problem.setup()
     keys = ("units", "shape", "desc", "val")
-    found = problem.model.aero.get_io_metadata(metadata_keys=keys)
     rows = []
-    for name, meta in found.items():
-        kind = "input" if name in problem.model.aero._var_rel_names["input"] else "output"
+    for name, meta in aero.get_io_metadata(metadata_keys=keys).items():
+        kind = "input" if name in aero._var_rel_names["input"] else "output"
         kept = keys if kind == "input" else keys[:3]
         rows.append((kind, name, {k: meta[k] for k in kept if not (k == "shape" and kind == "input")}))
     return rows

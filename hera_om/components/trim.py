@@ -1,4 +1,4 @@
-"""Equilibrium of forces and moments: as an implicit balance for a solver, and as residuals for an optimiser."""
+"""Equilibrium of forces and moments: an implicit balance for a solver, residuals for an optimiser."""
 
 import numpy as np
 import openmdao.api as om
@@ -16,8 +16,8 @@ _DIMENSIONLESS = ("CX", "CZ", "Cm")
 def state_bounds(aircraft: Aircraft, powered: bool) -> dict[str, tuple[float, float]]:
     """Bounds (deg) of the states that a trim of this aircraft may move, in the order of its balances.
 
-    Incidence balances lift; the elevator, if there is one, the pitching moment; blade pitch, if powered, thrust
-    and its split.
+    Incidence balances lift; the elevator, if there is one, the pitching moment; blade pitch, if powered,
+    thrust and its split.
     """
     out = {"alpha": ALPHA_BOUNDS}
     if aircraft.htail is not None and aircraft.htail.control.elevator is not None:
@@ -25,7 +25,10 @@ def state_bounds(aircraft: Aircraft, powered: bool) -> dict[str, tuple[float, fl
         out["delta_e"] = (-limit, limit)
     for rotor in aircraft.rotor if powered else ():
         low, high = rotor.beta75_min_deg, rotor.beta75_max_deg
-        out[f"theta_{rotor.name}"] = (PITCH_BOUNDS[0] if low is None else low, PITCH_BOUNDS[1] if high is None else high)
+        out[f"theta_{rotor.name}"] = (
+            PITCH_BOUNDS[0] if low is None else low,
+            PITCH_BOUNDS[1] if high is None else high,
+        )
     return out
 
 
@@ -39,7 +42,9 @@ def start_values(aircraft: Aircraft) -> dict[str, float]:
     }
 
 
-def balances(CX, CZ, Cm, *, alpha, weight_coefficient, powered: bool) -> dict[str, tuple[float, dict[str, float]]]:
+def balances(
+    CX, CZ, Cm, *, alpha, weight_coefficient, powered: bool
+) -> dict[str, tuple[float, dict[str, float]]]:
     """Residuals of steady level flight at a load factor, and their derivatives.
 
     Weight acts along -u, u = (-sin a, 0, cos a) being normal to the flight path in geometry axes:
@@ -95,7 +100,11 @@ class _Equilibrium:
                 continue
             row = {k: by[k] for k in _DIMENSIONLESS if k in by}
             if "CW" in by:
-                row |= {"mass": by["CW"] * w / mass, "q_S": -by["CW"] * w / q_S, "load_factor": by["CW"] * w / n}
+                row |= {
+                    "mass": by["CW"] * w / mass,
+                    "q_S": -by["CW"] * w / q_S,
+                    "load_factor": by["CW"] * w / n,
+                }
             if "alpha" in by:
                 row["alpha"] = by["alpha"] * RAD
             out[key] = (value, row)
@@ -107,7 +116,7 @@ class _Equilibrium:
 
 
 class TrimBalance(om.ImplicitComponent):
-    """States of trim as outputs, balances as their residuals; the thrusts keep the ratio of their design values."""
+    """States of trim as outputs, balances as residuals; thrusts keep the ratio of their design values."""
 
     def initialize(self) -> None:
         """Declare options."""
@@ -121,7 +130,9 @@ class TrimBalance(om.ImplicitComponent):
         self.equilibrium.declare_inputs(self, aircraft, self.options["powered"])
         start = start_values(aircraft)
         for name, (low, high) in state_bounds(aircraft, self.options["powered"]).items():
-            self.add_output(name, val=start[name], lower=low, upper=high, units="deg", desc=quantity(name).desc)
+            self.add_output(
+                name, val=start[name], lower=low, upper=high, units="deg", desc=quantity(name).desc
+            )
         self.declare_partials("*", "*")
 
     def apply_nonlinear(self, inputs, outputs, residuals) -> None:
@@ -151,7 +162,9 @@ class TrimResiduals(om.ExplicitComponent):
         self.add_input("alpha", val=aircraft.flight.alpha_deg, units="deg", desc=quantity("alpha").desc)
         self.kept = [s for s in self.equilibrium.states if s not in self.equilibrium.thetas[1:]]
         for state in self.kept:
-            self.add_output(f"balance_{_NAMES.get(state, 'x')}", desc=f"balance closed by {state}, load coefficient")
+            self.add_output(
+                f"balance_{_NAMES.get(state, 'x')}", desc=f"balance closed by {state}, load coefficient"
+            )
         self.declare_partials("*", "*")
 
     def compute(self, inputs, outputs) -> None:

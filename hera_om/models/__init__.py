@@ -1,1 +1,1 @@
-"""placeholder"""
+"""Groups and problems: they only connect; the variables and constraints of each case stand in tables."""

@@ -58,5 +58,5 @@ def table_4(aircraft: Aircraft) -> dict[str, tuple[float, float]]:
     return out
 
 
-# Where a run starts: share of the way from the lower to the upper bound of every variable; None is the baseline.
+# Where a run starts: share of the way from lower to upper bound of every variable; None is the baseline.
 STARTS: dict[str, float | None] = {"baseline": None, "low": 0.25, "high": 0.75}

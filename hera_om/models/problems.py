@@ -10,7 +10,14 @@ from hera_om.components.mass import MassProperties
 from hera_om.components.trim import TrimResiduals, start_values
 from hera_om.components.wingbox import frozen_remainder
 from hera_om.models.cases import MDO_GOAL, STARTS, TRIM_BALANCE, TRIM_GOAL, Goal, Limit, mdo_limits, table_4
-from hera_om.models.trimmed import TrimmedAircraft, aero_variables, aerodynamics, has_box
+from hera_om.models.trimmed import (
+    Aero,
+    TrimmedAircraft,
+    aero_variables,
+    aerodynamics,
+    has_box,
+    wing_structure,
+)
 
 # COBYLA first moves by a fifth of each variable's range; SLSQP stops when the scaled objective settles.
 DRIVERS = {
@@ -19,18 +26,23 @@ DRIVERS = {
 }
 
 
-def build_aircraft(aircraft: Aircraft, *, aero="lattice", name: str = "aircraft") -> om.Problem:
+def build_aircraft(aircraft: Aircraft, *, aero: Aero = "lattice") -> om.Problem:
     """The trimmed aircraft as a problem, set up, with the wing's remainder frozen at the baseline."""
     remainder = baseline_remainder(aircraft, aero=aero) if has_box(aircraft) else 0.0
-    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, remainder=remainder), name=name, reports=False)
+    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, remainder=remainder), reports=False)
     _set_up(problem)
     return problem
 
 
 def build_mdo(
-    aircraft: Aircraft, *, driver: str = "SLSQP", aero="lattice", max_iterations: int | None = None, start: str = "baseline"
+    aircraft: Aircraft,
+    *,
+    driver: str = "SLSQP",
+    aero: Aero = "lattice",
+    max_iterations: int | None = None,
+    start: str = "baseline",
 ) -> om.Problem:
-    """The problem of Table 7: the definition's variables, range, flying qualities and reserve factors, trim inside.
+    """The problem of Table 7: its variables, range, flying qualities, reserve factors, with the trim inside.
 
     Args:
         aircraft: a definition with variables, masses, a mission, and rotors or not.
@@ -46,7 +58,7 @@ def build_mdo(
         ValueError: the definition lacks a part that the case needs, or an argument is not among the choices.
     """
     _require(aircraft, "mdo", variables=aircraft.variables, mass=aircraft.mass, mission=aircraft.mission)
-    problem = build_aircraft(aircraft, aero=aero, name="mdo")
+    problem = build_aircraft(aircraft, aero=aero)
     box = variable_box(aircraft)
     for i, n in enumerate(box.names):
         problem.model.add_design_var(n, lower=box.lower[i], upper=box.upper[i], units=box.units[i])
@@ -57,8 +69,8 @@ def build_mdo(
     return problem
 
 
-def build_trim(aircraft: Aircraft, *, aero="lattice", load_factor: float = 1.0) -> om.Problem:
-    """The problem of Table 4: incidence, elevator and blade pitch for three balances and the best L/D, by SLSQP."""
+def build_trim(aircraft: Aircraft, *, aero: Aero = "lattice", load_factor: float = 1.0) -> om.Problem:
+    """The problem of Table 4: incidence, elevator, blade pitch for three balances and the best L/D; SLSQP."""
     _require(aircraft, "trim", mass=aircraft.mass)
     model = om.Group()
     model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
@@ -68,12 +80,15 @@ def build_trim(aircraft: Aircraft, *, aero="lattice", load_factor: float = 1.0) 
         point = [n for n in point if n != "delta_e"]
     model.add_subsystem("aero", aerodynamics(aircraft, aero), promotes_inputs=point, promotes_outputs=["*"])
     model.add_subsystem(
-        "balance", TrimResiduals(aircraft=aircraft), promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"]
+        "balance",
+        TrimResiduals(aircraft=aircraft),
+        promotes_inputs=["*", ("mass", "mass_cruise")],
+        promotes_outputs=["*"],
     )
     model.set_input_defaults("load_factor", val=load_factor)
     for state, (low, high) in table_4(aircraft).items():
         model.add_design_var(state, lower=low, upper=high, units="deg")
-    problem = om.Problem(model, name="trim", reports=False)
+    problem = om.Problem(model, reports=False)
     problem.driver = make_driver("SLSQP", None)
     limits = [Limit(f"balance_{axis}", 0.0, 0.0, "equilibrium") for axis in _axes(aircraft)]
     _add_goals(problem, TRIM_GOAL, limits, equality_ref=TRIM_BALANCE * 100)
@@ -85,16 +100,37 @@ def build_trim(aircraft: Aircraft, *, aero="lattice", load_factor: float = 1.0) 
     return problem
 
 
-def baseline_remainder(aircraft: Aircraft, *, aero="lattice") -> float:
-    """Frozen part of the wing's mass, kg: what the definition gives, or what the sized baseline leaves of its total."""
-    given = aircraft.wing.structure.mass_remainder_kg
-    if given is not None:
-        return given
-    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, close_mass=False), name="baseline", reports=False)
+def baseline_remainder(aircraft: Aircraft, *, aero: Aero = "lattice") -> float:
+    """Frozen part of the wing's mass, kg: the definition's, or what the sized baseline leaves of its total."""
+    box = wing_structure(aircraft)
+    if box.mass_remainder_kg is not None:
+        return box.mass_remainder_kg
+    problem = om.Problem(TrimmedAircraft(aircraft=aircraft, aero=aero, close_mass=False), reports=False)
     _set_up(problem)
-    problem.set_val("m_wing", aircraft.wing.structure.mass_total_baseline_kg, units="kg")
+    problem.set_val("m_wing", box.mass_total_baseline_kg, units="kg")
     problem.run_model()
     return frozen_remainder(aircraft, float(problem.get_val("m_primary", units="kg")[0]))
+
+
+class ScipyDriver(om.ScipyOptimizeDriver):
+    """OpenMDAO's driver, but it stops at an analysis that fails.
+
+    The original hands SciPy an objective of zero instead, goes on to the end, and raises only then.
+    """
+
+    def _objfunc(self, x_new):
+        """Objective at a point."""
+        return self._checked(super()._objfunc(x_new))
+
+    def _gradfunc(self, x_new):
+        """Gradient at a point."""
+        return self._checked(super()._gradfunc(x_new))
+
+    def _checked(self, value):
+        """A value, unless the exception behind it waits to be raised."""
+        if self._exc_info is not None:
+            self._reraise()
+        return value
 
 
 def make_driver(name: str, max_iterations: int | None) -> om.ScipyOptimizeDriver:
@@ -102,7 +138,7 @@ def make_driver(name: str, max_iterations: int | None) -> om.ScipyOptimizeDriver
     if name not in DRIVERS:
         raise ValueError(f"driver {name!r}: expected one of {', '.join(DRIVERS)}")
     known = DRIVERS[name]
-    driver = om.ScipyOptimizeDriver(optimizer=name, tol=known["tol"], disp=False)
+    driver = ScipyDriver(optimizer=name, tol=known["tol"], disp=False)
     driver.options["maxiter"] = max_iterations or known["maxiter"]
     driver.opt_settings.update(known["opt_settings"])
     driver.autoscaler = om.BoundsAutoscaler()
@@ -135,7 +171,9 @@ def _add_goals(problem: om.Problem, goal: Goal, limits, equality_ref: float | No
 def _set_up(problem: om.Problem) -> None:
     """Set up quietly, in the mode with fewer passes."""
     # Newton's method inside a trim makes OpenMDAO count the whole model as one: so it is meant.
-    warnings.filterwarnings("ignore", category=om.OpenMDAOWarning, message=".*nonlinear solver that computes gradients")
+    warnings.filterwarnings(
+        "ignore", category=om.OpenMDAOWarning, message=".*nonlinear solver that computes gradients"
+    )
     problem.setup(mode="auto")
     problem.set_solver_print(level=-1)
 

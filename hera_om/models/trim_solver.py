@@ -9,8 +9,8 @@ MAX_ITERATIONS = 25
 class TrimNewton(om.NewtonSolver):
     """Newton's method on the states of a trim point.
 
-    While it runs, the aerodynamics hands over only the derivatives by the states, which it has anyway. When it does
-    not converge the AnalysisError says which control stands at its limit and what is left of each balance.
+    While it runs, the aerodynamics hands over only the derivatives by the states, which it has anyway. When it
+    does not converge the AnalysisError says which control stands at its limit and what is left of each balance.
     """
 
     def __init__(self, aero, balance, **options) -> None:
@@ -27,7 +27,8 @@ class TrimNewton(om.NewtonSolver):
         try:
             super().solve()
         except om.AnalysisError as error:
-            raise om.AnalysisError(f"{self._system().pathname or 'trim'}: {self._diagnosis()} ({error})") from error
+            where = self._balance.pathname.rpartition(".")[0] or "trim"
+            raise om.AnalysisError(f"{where}: {self._diagnosis()} ({error})") from error
         finally:
             self._aero.states_only = False
 

@@ -1,8 +1,11 @@
 """Groups: a trimmed flight point, and the whole aircraft with its feedbacks closed."""
 
+from typing import Literal
+
 import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
+from hera_om.aircraft.structure import WingStructure
 from hera_om.components.aero import Aerodynamics
 from hera_om.components.box_arrays import box_reads
 from hera_om.components.mass import MassProperties
@@ -11,11 +14,16 @@ from hera_om.components.stability import Stability
 from hera_om.components.trim import TrimBalance
 from hera_om.components.wingbox import WingBox
 from hera_om.models.trim_solver import TrimNewton
+from hera_om.surrogates.surrogate_set import SurrogateSet
 
-MASS_TOLERANCE = 1e-9  # kg: the loop of wing mass, balance and loads
+LOOP_TOLERANCE = 1e-6  # of the change in all outputs of a sweep, mostly strip loads in N: 1e-11 of them
 MAX_SWEEPS = 40
 LOAD_NAMES = ("strip_edge", "strip_point", "strip_force", "strip_moment")
 ROTOR_NAMES = ("rotor_hub", "rotor_force", "rotor_moment")
+
+
+Aero = Literal["lattice"] | SurrogateSet
+"""What stands for the aerodynamics: the lattice, or a surrogate that replaces it."""
 
 
 class TrimPoint(om.Group):
@@ -32,17 +40,17 @@ class TrimPoint(om.Group):
         """Two components and Newton's method."""
         aircraft = self.options["aircraft"]
         aero = aerodynamics(aircraft, self.options["aero"])
-        balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"])
+        self.balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"])
         self.add_subsystem("aero", aero, promotes=["*"])
-        self.add_subsystem("balance", balance, promotes=["*"])
+        self.add_subsystem("balance", self.balance, promotes=["*"])
         self.set_input_defaults("load_factor", val=self.options["load_factor"])
-        self.nonlinear_solver = TrimNewton(aero, balance)
+        self.nonlinear_solver = TrimNewton(aero, self.balance)
         self.linear_solver = om.DirectSolver()
 
 
-def aerodynamics(aircraft: Aircraft, aero):
+def aerodynamics(aircraft: Aircraft, aero: Aero):
     """The lattice, or the surrogate that stands in for it."""
-    if aero == "lattice":
+    if isinstance(aero, str):
         return Aerodynamics(aircraft=aircraft)
     from hera_om.components.surrogate import SurrogateAerodynamics
 
@@ -52,9 +60,9 @@ def aerodynamics(aircraft: Aircraft, aero):
 class TrimmedAircraft(om.Group):
     """Mass properties, trimmed cruise, trimmed pull-up, wing box, stability and performance.
 
-    The cruise's variables carry their registry names; the pull-up's stand under ``pullup``. In the pull-up the blade
-    pitch stays as in the cruise and only lift and moment are balanced. The mass of the wing feeds back on balance and
-    on the relief of its loads; the group's Gauss-Seidel iteration closes that loop.
+    The cruise's variables carry their registry names; the pull-up's stand under ``pullup``. In the pull-up the
+    blade pitch stays as in the cruise and only lift and moment are balanced. The mass of the wing feeds back on
+    balance and on the relief of its loads; the group's Gauss-Seidel iteration closes that loop.
     """
 
     def initialize(self) -> None:
@@ -78,7 +86,12 @@ class TrimmedAircraft(om.Group):
         if aircraft.mission is not None:
             self.add_subsystem("performance", Performance(aircraft=aircraft), promotes=["*"])
         self.nonlinear_solver = om.NonlinearBlockGS(
-            maxiter=MAX_SWEEPS, atol=MASS_TOLERANCE, rtol=1e-99, iprint=-1, err_on_non_converge=True
+            maxiter=MAX_SWEEPS,
+            atol=LOOP_TOLERANCE,
+            rtol=1e-99,
+            iprint=-1,
+            use_aitken=True,
+            err_on_non_converge=True,
         )
         self.linear_solver = om.DirectSolver()
 
@@ -100,10 +113,12 @@ class TrimmedAircraft(om.Group):
         closed = self.options["close_mass"]
         outputs = ["*"] if closed else ["m_primary", "RFC", "RFT"]
         # OpenMDAO hands a component its own output only in derivatives: the feedback goes through a copy.
-        kg = {"units": "kg", "val": aircraft.wing.structure.mass_total_baseline_kg}
+        kg = {"units": "kg", "val": wing_structure(aircraft).mass_total_baseline_kg}
         copy = om.ExecComp("m_wing_relief = m_wing", m_wing=kg, m_wing_relief=kg)
         self.add_subsystem("relief", copy, promotes=["*"])
-        self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs)
+        self.add_subsystem(
+            "wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs
+        )
         for name in (*LOAD_NAMES, *(ROTOR_NAMES if aircraft.rotor else ())):
             self.connect(name, f"wing_box.cruise_{name}")
             self.connect(f"pullup.{name}", f"wing_box.pullup_{name}")
@@ -114,9 +129,17 @@ def has_box(aircraft: Aircraft) -> bool:
     return aircraft.wing is not None and aircraft.wing.structure is not None and aircraft.mission is not None
 
 
+def wing_structure(aircraft: Aircraft) -> WingStructure:
+    """The wing box of an aircraft that has one."""
+    assert aircraft.wing is not None and aircraft.wing.structure is not None
+    return aircraft.wing.structure
+
+
 def _read(aircraft: Aircraft, reads: tuple[str, ...]) -> list[str]:
     """Design variables under some paths."""
-    return [v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)]
+    return [
+        v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)
+    ]
 
 
 def aero_variables(aircraft: Aircraft) -> list[str]:

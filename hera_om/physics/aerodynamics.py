@@ -84,8 +84,8 @@ def evaluate(
 ) -> AeroResult:
     """Everything at one state, with the derivatives by the state at equilibrium of lattice and rotors.
 
-    One forward pass differentiates forces and coupling by the state and by the unknowns of the coupling; the implicit
-    function theorem joins them.
+    The response of lattice and rotors is differentiated by the state and by the unknowns of the coupling, the implicit
+    function theorem joins both, and the forces are differentiated along the directions that result.
 
     The alpha-dot derivatives are INTERIM: quasi-steady flow in which the wing's circulation, as the tail sees it, is
     late by the time of flight from the wing (the lag of downwash, Etkin & Reid, Dynamics of Flight 3e, section 5.5),
@@ -108,27 +108,41 @@ def evaluate(
     polar = _strip_polars(surfaces, lay)
     state = jnp.concatenate([flat, jnp.stack([x.alpha, x.q_hat, x.delta_e]), x.theta])
 
-    def forces(v):
-        here = Controls(v[n], v[n + 1], v[n + 2], v[n + 3 : n + 3 + size])
-        answer = respond(v[:n], here, at, plan, phi)
-        total, rest = _coefficients(here, answer, polar, at=at, plan=plan, body=body, lay=lay)
-        thrust = jnp.zeros(0) if answer.loads is None else answer.loads.thrust
-        return (answer.flat, total, thrust, answer.gamma), (answer, total, rest)
+    def at_state(v):
+        return Controls(v[0], v[1], v[2], v[3 : 3 + size])
 
-    (by_flat, by, thrust_by, gamma_by), (answer, total, rest) = jax.jacfwd(forces, has_aux=True)(state)
+    def answer_to(v):
+        answer = respond(v[:n], at_state(v[n:]), at, plan, phi)
+        return answer, answer
+
+    by, answer = jax.jacfwd(answer_to, has_aux=True)(state)
     if n:
-        jacobian = by_flat[:, :n] - jnp.eye(n)
-        shift = jnp.linalg.solve(jacobian, -by_flat[:, n:])
-        join = lambda d: d[..., n:] + d[..., :n] @ shift  # noqa: E731
+        inverse = jnp.linalg.inv(by.flat[:, :n] - jnp.eye(n))
+        shift = -inverse @ by.flat[:, n:]
+        by = jax.tree.map(lambda d: d[..., n:] + d[..., :n] @ shift, by)
     else:
-        jacobian, join = jnp.zeros((0, 0)), lambda d: d
+        inverse = jnp.zeros((0, 0))
+
+    def forces(step):
+        moved = jax.tree.map(lambda value, slope: value + slope @ step, answer, by)
+        total, rest = _coefficients(at_state(state[n:] + step), moved, polar, at=at, plan=plan, body=body, lay=lay)
+        return total, (total, rest)
+
+    derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros(3 + size))
     drag, cl, margin, wing, local = rest
-    by, thrust_by, gamma_by = jax.tree.map(join, (by, thrust_by, gamma_by))
-    alphadot = _alphadot(local, x, answer, gamma_by[:, 0], at=at, body=body, tail=tail, lay=lay)
-    residual = jnp.max(jnp.abs(answer.flat - flat), initial=0.0)
-    inverse = jnp.linalg.inv(jacobian) if n else jacobian
+    alphadot = _alphadot(local, x, answer, by.gamma[:, 0], at=at, body=body, tail=tail, lay=lay)
     return AeroResult(
-        total, by, thrust_by, alphadot, drag, margin, cl, Loads(wing, answer.loads), answer.wake, residual, inverse
+        total=total,
+        derivatives=derivatives,
+        thrust_by=jnp.zeros((0, 3 + size)) if by.loads is None else by.loads.thrust,
+        alphadot=alphadot,
+        drag=drag,
+        lift_margin=margin,
+        cl_strips=cl,
+        loads=Loads(wing, answer.loads),
+        wake=answer.wake,
+        residual=jnp.max(jnp.abs(answer.flat - flat), initial=0.0),
+        inverse=inverse,
     )
 
 

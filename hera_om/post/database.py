@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import sqlite3
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -38,16 +39,19 @@ class Constraint:
     upper: float | None
     reason: str = ""
 
-    @property
-    def scale(self) -> float:
-        """What margins are divided by to compare constraints: the larger bound, or one."""
-        return max((abs(b) for b in (self.lower, self.upper) if b is not None), default=0.0) or 1.0
-
     def margin(self, value: float) -> float:
-        """Distance to the nearer bound, in the constraint's unit; negative: violated."""
-        below = value - self.lower if self.lower is not None else float("inf")
-        above = self.upper - value if self.upper is not None else float("inf")
-        return min(below, above)
+        """Distance to the bound that is relatively nearer, in the constraint's unit; negative: violated."""
+        return min(self._gaps(value), default=(math.inf, math.inf))[1]
+
+    def relative(self, value: float) -> float:
+        """The same distance over the magnitude of the bound; a bound of zero counts as one."""
+        return min(self._gaps(value), default=(math.inf, math.inf))[0]
+
+    def _gaps(self, value: float) -> list[tuple[float, float]]:
+        """Relative and absolute distance to each bound."""
+        gaps = [(value - self.lower, self.lower)] if self.lower is not None else []
+        gaps += [(self.upper - value, self.upper)] if self.upper is not None else []
+        return [(gap / (abs(bound) or 1.0), gap) for gap, bound in gaps]
 
 
 @dataclass(frozen=True)

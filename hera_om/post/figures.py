@@ -26,8 +26,8 @@ from hera_om.post.style import (
 )
 from hera_om.post.tables import Source
 
-FEASIBLE = 1e-6
-"""A relative violation up to this counts as none; drivers stop at about this tolerance."""
+FEASIBLE = 1e-4
+"""A violation up to this part of the bound counts as none, where the run's own check is not on record."""
 
 Columns = dict[str, np.ndarray]
 
@@ -129,7 +129,7 @@ def plot_constraints(source: Source) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_ylim(len(lines) - 0.4, -0.6)
-    axes.set_xlabel("margin to the nearer bound, of the larger bound [%]")
+    axes.set_xlabel("margin to the nearer bound, relative to it [%]")
     _margin_legend(axes, final)
     return figure
 
@@ -137,14 +137,15 @@ def plot_constraints(source: Source) -> Figure:
 def _margin(axes: Axes, place: int, c: Constraint, row: tables.Row, final: str) -> None:
     """One bar, the baseline's diamond, and the numbers at the right."""
     value = row[final]
-    share = 100.0 * c.margin(value) / c.scale
-    violated = share < -100.0 * FEASIBLE
+    share = 100.0 * c.relative(value)
+    violated = row["violated"] if row["violated"] is not None else share < -100.0 * FEASIBLE
+    active = row["active"] if row["active"] is not None else abs(share) < 0.1
     axes.barh(place, share, height=0.5, color=VIOLATED if violated else OPTIMUM)
     if final == "optimum" and not math.isnan(row["baseline"]):
-        before = 100.0 * c.margin(row["baseline"]) / c.scale
+        before = 100.0 * c.relative(row["baseline"])
         style = {"markersize": 6, "markerfacecolor": "white", "markeredgecolor": INK, "zorder": 4}
         axes.plot(before, place, marker="D", **style)
-    note = "violated" if violated else "active" if abs(share) < 0.1 else ""
+    note = f"violated by {number(abs(share), 2)} %" if violated else "active" if active else ""
     text = _bounded(c, value) + (f", {note}" if note else "")
     colour = VIOLATED if violated else INK
     axes.annotate(

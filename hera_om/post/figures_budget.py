@@ -139,7 +139,8 @@ def plot_gain(source: Source) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.grid(False, axis="y")
     axes.set_ylim(len(names) - 0.4, -0.6)
-    axes.margins(x=0.15)
+    axes.use_sticky_edges = False  # else bars would touch the frame
+    axes.margins(x=0.12)
     axes.axvline(0.0, color=INK, linewidth=1.0)
     axes.set_xlabel(with_units(f"change of {run.objective.name}", shown))
     axes.set_title(_totals(run, factor, shown))
@@ -150,7 +151,7 @@ def _step(axes: Axes, place: int, start: float, step: float, colour: str) -> Non
     """One bar of the cascade with its size."""
     axes.barh(place, step, left=start, height=0.6, color=colour)
     text = f"{'+' if step > 0 else ''}{number(step, 3)}"
-    edge = (max(start, start + step), place)
+    edge = (max(start, start + step, 0.0), place)
     axes.annotate(text, edge, xytext=(5, 0), textcoords="offset points", va="center", fontsize=9)
 
 

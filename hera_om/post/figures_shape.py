@@ -128,7 +128,7 @@ def plot_span_load(source: Source) -> Figure:
     lower.set_ylabel("loading cl c [m]")
     lower.set_xlabel("y [m], to starboard")
     for axes in (upper, lower):
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        axes.set_ylim(bottom=min(0.0, 1.05 * axes.dataLim.ymin))
         axes.set_xlim(left=0.0)
     _disks(lower, shots)
     handles, _ = upper.get_legend_handles_labels()

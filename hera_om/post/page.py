@@ -14,7 +14,7 @@ CSS = """
 html{-webkit-text-size-adjust:100%}
 body{margin:0;background:#f6f6f4;color:var(--ink);
 font:16px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,sans-serif}
-main{max-width:60rem;margin:0 auto;padding:1.2rem}
+main{max-width:68rem;margin:0 auto;padding:1.2rem}
 header,section{background:#fff;border:1px solid var(--line);border-radius:6px;
 padding:1rem 1.2rem;margin:0 0 1rem}
 h1{font-size:1.6rem;line-height:1.2;margin:0 0 .3rem}
@@ -36,7 +36,7 @@ th,td{padding:.28rem .6rem;border-bottom:1px solid var(--line);text-align:left;
 white-space:nowrap;vertical-align:top}
 th{font-weight:600;border-bottom:2px solid #bbb}
 td.n,th.n{text-align:right}
-td.wide{white-space:normal;min-width:14rem;color:var(--soft)}
+td.wide{white-space:normal;min-width:9rem;color:var(--soft)}
 tr.bad td{color:var(--bad)}
 tr.sum td{border-top:2px solid #bbb;font-weight:600}
 figure{margin:.4rem 0 .8rem}

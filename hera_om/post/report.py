@@ -20,6 +20,9 @@ MAIN = (
 ).split()
 """What the comparison shows at once; everything else unfolds."""
 
+AT_BOUND = 2e-3
+"""Share of its range from which on a variable is said to stand at a bound."""
+
 
 class Pane(NamedTuple):
     """A part of the page: where it stands, what it is called, what writes it, and for which kinds of run."""
@@ -95,6 +98,9 @@ def _head(run: Run) -> str:
         lines.append(page.note(f"The run has not finished; {len(run.history)} evaluations are on record."))
     elif told.get("message"):
         lines.append(f"<p>{page.escape(told['message'])}</p>")
+    if told.get("failures"):
+        failed = f"{len(told['failures'])} of the driver's attempts ended in a failed analysis; "
+        lines.append(page.note(f"{failed}the last: {told['failures'][-1]}"))
     lines += [page.facts(_facts(run)), f'<p class="soft">{page.escape(_versions(run))}</p></header>']
     return "\n".join(lines)
 
@@ -118,7 +124,7 @@ def _facts(run: Run) -> list[tuple[str, str]]:
         if run.objective is None or row["name"] != run.objective.name:
             continue
         before, after, unit = _shown(row)
-        value = f"{before} → {after} {unit}" if after != "–" else f"{before} {unit}"
+        value = " → ".join(v for v in (before, after) if v != "–") + f" {unit}"
         pairs.append((run.objective.name, value.strip() + _percent(row["change_percent"], " ({})")))
     pairs += [(k, str(run.options[k])) for k in ("driver", "aero") if run.options.get(k) is not None]
     counts = [(k, told[k]) for k in ("iterations", "evaluations", "gradients") if told.get(k) is not None]
@@ -199,15 +205,15 @@ def _variables(run: Run) -> str:
     for v, row in zip(run.variables, tables.rows(tables.variables(run)), strict=True):
         factor, unit = readable(v.units, v.upper)
         numbers = [number(factor * row[k]) for k in ("lower", "baseline", "optimum", "upper")]
-        at = (
-            "at its lower bound"
-            if row["place_in_box"] < 1e-3
-            else "at its upper bound"
-            if row["place_in_box"] > 0.999
-            else ""
-        )
-        rows.append([v.name, unit, *numbers, _percent(row["moved_percent_of_box"]), at])
-    head = ["variable", "unit", "lower", "baseline", "optimum", "upper", "moved, of the box", ""]
+        place, moved = row["place_in_box"], _percent(row["moved_percent_of_box"])
+        at = "lower" if place < AT_BOUND else "upper" if place > 1.0 - AT_BOUND else ""
+        rows.append([v.name, unit, *numbers, moved, at, number(row["multiplier"] / factor, 3)])
+    head = [
+        *"variable unit lower baseline optimum upper".split(),
+        "moved, of the box",
+        "at bound",
+        "multiplier",
+    ]
     return page.table(head, rows, text=(0, 1, 7)) if rows else page.note("The run has no design variables.")
 
 
@@ -219,24 +225,30 @@ def _constraints(run: Run) -> str:
     rows, classes = [], []
     for row in tables.rows(frame):
         factor, unit = readable(row["units"], row["optimum"])
-        numbers = [number(factor * row[k]) for k in ("lower", "baseline", "optimum", "upper", "margin")]
+        numbers = [number(factor * row[k]) for k in ("lower", "baseline", "optimum", "upper")]
+        numbers.append(_percent(row["margin_percent"]))
         state = "violated" if row["violated"] else "active" if row["active"] else ""
-        rows.append([row["name"], unit, *numbers, number(row["multiplier"], 3), state, row["reason"]])
+        rows.append(
+            [row["name"], unit, *numbers, number(row["multiplier"] / factor, 3), state, row["reason"]]
+        )
         classes.append("bad" if row["violated"] else "")
-    head = [
-        "constraint",
-        "unit",
-        "lower",
-        "baseline",
-        "optimum",
-        "upper",
-        "margin",
-        "multiplier",
-        "state",
-        "reason",
-    ]
+    head = "constraint unit lower baseline optimum upper margin multiplier state reason".split()
     text = page.table(head, rows, text=(0, 1, 8, 9), classes=classes)
-    return _figure("constraints", "margins of the constraints", figures.plot_constraints)(run) + text
+    return (
+        _figure("constraints", "margins of the constraints", figures.plot_constraints)(run)
+        + text
+        + _optimality(run)
+    )
+
+
+def _optimality(run: Run) -> str:
+    """How far the multipliers explain the objective's gradient."""
+    told = (run.result or {}).get("optimality") or {}
+    if told.get("gradient") is None or told.get("residual") is None:
+        return ""
+    left, whole = number(told["residual"], 3), number(told["gradient"], 3)
+    told = f"Of the objective's gradient, {whole} over the variables' ranges, the multipliers leave {left}."
+    return f'<p class="soft">{page.escape(told)}</p>'
 
 
 def _budget_table(frame: pd.DataFrame, unit: str) -> str:

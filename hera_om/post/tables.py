@@ -44,7 +44,7 @@ def rows(frame: pd.DataFrame) -> list[Row]:
 
 
 def variables(source: Source) -> pd.DataFrame:
-    """Design variables by name: units, bounds, baseline, optimum, and the share of the box that it moved."""
+    """Design variables by name: units, bounds, both designs, the way through the box, multiplier."""
     run = as_run(source)
     told = [vars(v) | {"units": v.units or ""} for v in run.variables]
     frame = pd.DataFrame(told, columns="name path units lower baseline upper".split()).set_index("name")
@@ -53,11 +53,18 @@ def variables(source: Source) -> pd.DataFrame:
     box = (frame["upper"] - frame["lower"]).astype(float)
     frame["moved_percent_of_box"] = 100.0 * (frame["optimum"] - frame["baseline"]) / box
     frame["place_in_box"] = (frame["optimum"] - frame["lower"]) / box
+    last = (run.result or {}).get("variables") or {}
+    multipliers = {v.name: (last.get(v.name) or {}).get("multiplier") for v in run.variables}
+    frame["multiplier"] = pd.Series(multipliers, dtype=float)
     return frame
 
 
 def constraints(source: Source) -> pd.DataFrame:
-    """Constraints by name: bounds, both designs, margin (negative: violated), multiplier, state, reason."""
+    """Constraints by name: bounds, both designs, the final one's margin, multiplier, state, reason.
+
+    The margin is to the nearer bound, in the unit of the constraint and in percent of the bound;
+    a negative one is a violation.
+    """
     run = as_run(source)
     found = {d: _values(run, d) for d in DESIGNS}
     told = (run.result or {}).get("constraints") or {}
@@ -68,12 +75,15 @@ def constraints(source: Source) -> pd.DataFrame:
         last = told.get(c.name, {})
         if row["optimum"] is None:
             row["optimum"] = last.get("value")
-        row["margin"] = last.get("margin", None if row["optimum"] is None else c.margin(row["optimum"]))
+        if row["optimum"] is not None:
+            row["margin"] = c.margin(row["optimum"])
+            row["margin_percent"] = 100.0 * c.relative(row["optimum"])
         row |= {k: last.get(k) for k in ("multiplier", "active", "violated")} | {"reason": c.reason}
         lines.append(row)
-    columns = "name units lower upper baseline optimum margin multiplier active violated reason".split()
+    columns = "name units lower upper baseline optimum margin margin_percent".split()
+    columns += "multiplier active violated reason".split()
     frame = pd.DataFrame(lines, columns=columns).set_index("name")
-    numbers = ["lower", "upper", "baseline", "optimum", "margin", "multiplier"]
+    numbers = ["lower", "upper", "baseline", "optimum", "margin", "margin_percent", "multiplier"]
     return frame.astype(dict.fromkeys(numbers, float))
 
 
@@ -100,9 +110,9 @@ def comparison(source: Source) -> pd.DataFrame:
     frame.index.name = "name"
     frame.insert(0, "units", [_unit(run, n) or "" for n in names])
     frame["change"] = frame["optimum"] - frame["baseline"]
-    frame["change_percent"] = (
-        100.0 * frame["change"] / frame["baseline"].abs().where(frame["baseline"] != 0.0)
-    )
+    before, after = frame["baseline"].abs(), frame["optimum"].abs()
+    telling = (before > 1e-9) & (before > 1e-6 * after)  # a residual has no change in percent
+    frame["change_percent"] = 100.0 * frame["change"] / before.where(telling)
     frame["meaning"] = [_meaning(n) for n in names]
     return frame
 
@@ -132,6 +142,7 @@ def gain(source: Source) -> pd.Series:
     """The objective's change split by cause, in the objective's unit; empty where it was not split."""
     run = as_run(source)
     told = (run.result or {}).get("gain") or {}
+    told = {cause: value for cause, value in told.items() if cause != "total"}
     return pd.Series(told, dtype=float, name=run.objective.name if run.objective else "gain")
 
 

@@ -2,7 +2,13 @@
 
 from typing import Any
 
-_HOME = {"analyze": "analysis", "trim": "trimming", "mdo": "optimisation", "run": "optimisation", "train": "training"}
+_HOME = {
+    "analyze": "analysis",
+    "trim": "trimming",
+    "mdo": "optimisation",
+    "run": "optimisation",
+    "train": "training",
+}
 
 __all__ = ["analyze", "mdo", "run", "train", "trim"]
 

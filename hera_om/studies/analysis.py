@@ -16,8 +16,8 @@ from hera_om.studies.values import collect
 def analyze(aircraft: Aircraft) -> dict[str, Any]:
     """Analyse a definition at its ``[flight]`` condition; any part may be absent.
 
-    Moments are about the definition's reference point, else the centre of gravity, else the quarter of the mean
-    aerodynamic chord.
+    Moments are about the definition's reference point, else the centre of gravity, else the quarter of the
+    mean aerodynamic chord.
 
     Returns:
         ``aircraft``, ``hash``, ``units``, and registry names with their values.
@@ -25,7 +25,7 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
     Raises:
         AnalysisFailure: no finite or no converged solution.
     """
-    problem = om.Problem(name="analyze", reports=False)
+    problem = om.Problem(reports=False)
     fixed_point = aircraft.reference.x_m is not None
     if aircraft.mass:
         outputs = [("x_cg", "x_cg_mass"), ("z_cg", "z_cg_mass"), "mass*", "I*"] if fixed_point else ["*"]

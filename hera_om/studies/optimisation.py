@@ -36,7 +36,10 @@ def mdo(
 ) -> dict[str, Any]:
     """Build the problem of Table 7 and `run` it."""
     source = aero_of(aero, aircraft)
-    problem = build_mdo(aircraft, driver=driver, aero=source, max_iterations=max_iterations)
+    try:
+        problem = build_mdo(aircraft, driver=driver, aero=source, max_iterations=max_iterations)
+    except om.AnalysisError as error:
+        raise AnalysisFailure(str(error), where="baseline") from error
     options = {"driver": driver, "aero": str(aero), "start": start, **DRIVERS[driver]}
     return run(problem, aircraft, database=database, start=start, options=options, progress=progress)
 
@@ -53,7 +56,8 @@ def run(
     """Run a problem of `models.build_mdo`, recording everything.
 
     A SciPy driver does not survive an analysis that fails. When one does, the driver starts again from the best
-    design so far, with bounds drawn halfway in towards it, `ATTEMPTS` times in all; what was finished stays recorded.
+    design so far, with bounds drawn halfway in towards it, `ATTEMPTS` times in all; what was finished stays
+    recorded.
 
     Args:
         problem: the problem, set up.
@@ -64,15 +68,21 @@ def run(
         progress: called with iteration, objective, worst violation, seconds.
 
     Returns:
-        ``baseline``, ``optimum``, ``constraints``, ``variables``, ``gain``, ``success``, ``feasible``, counts, times.
+        ``baseline``, ``optimum``, ``constraints``, ``variables``, ``gain``, ``success``, ``feasible``, counts,
+        times.
 
     Raises:
         AnalysisFailure: the baseline cannot be analysed, or all attempts ended in failures.
     """
     limits, goal = mdo_limits(has_box(aircraft)), MDO_GOAL
-    rows = [{"name": x.name, "units": known_units(x.name), "lower": x.lower, "upper": x.upper, "reason": x.reason} for x in limits]
+    rows = [
+        {"name": x.name, "units": known_units(x.name), "lower": x.lower, "upper": x.upper, "reason": x.reason}
+        for x in limits
+    ]
     objective = {"name": goal.name, "units": known_units(goal.name), "sense": goal.sense}
-    with Record(database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=objective) as record:
+    with Record(
+        database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=objective
+    ) as record:
         best = _Best(aircraft, limits, goal)
         record.attach(problem, progress=_ticker(problem, best, progress))
         before = _baseline(problem, aircraft, record)
@@ -116,8 +126,11 @@ class _Best:
     """The best design that the history of a run holds: least violated, then best objective."""
 
     def __init__(self, aircraft: Aircraft, limits: tuple[Limit, ...], goal: Goal) -> None:
-        self.box, self.limits, self.sign = variable_box(aircraft), limits, 1.0 if goal.sense == "max" else -1.0
-        self.goal, self.rank, self.values = goal.name, None, None
+        self.box, self.limits, self.goal = variable_box(aircraft), limits, goal.name
+        self.sign = 1.0 if goal.sense == "max" else -1.0
+        self.rank: tuple[float, float] | None = None
+        self.values: list[float] = []
+        self.states = np.zeros(0)
 
     def see(self, problem: om.Problem) -> None:
         """Compare the design a problem stands at."""
@@ -126,9 +139,11 @@ class _Best:
         if self.rank is None or rank > self.rank:
             self.rank = rank
             self.values = [number(problem, n, u) for n, u in zip(self.box.names, self.box.units, strict=True)]
+            self.states = problem.model._outputs.asarray(copy=True)
 
     def go(self, problem: om.Problem) -> None:
-        """Put a problem there."""
+        """Put a problem there, its states too: those of a failed solve may be no start for the next one."""
+        problem.model._outputs.set_val(self.states)
         for n, u, v in zip(self.box.names, self.box.units, self.values, strict=True):
             problem.set_val(n, v, units=u)
 
@@ -143,7 +158,9 @@ def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best)
             failures.append(str(error))
             if len(failures) == ATTEMPTS:
                 record.note("failures", failures)
-                raise AnalysisFailure(f"{ATTEMPTS} attempts ended in failed analyses; the last: {error}", where="mdo") from error
+                raise AnalysisFailure(
+                    f"{ATTEMPTS} attempts ended in failed analyses; the last: {error}", where="mdo"
+                ) from error
             best.go(problem)
             _shrink(problem, best)
             continue
@@ -170,7 +187,9 @@ def _shrink(problem: om.Problem, best: _Best) -> None:
     problem.final_setup()
 
 
-def _result(problem: om.Problem, aircraft: Aircraft, limits, goal: Goal, before, after, outcome) -> dict[str, Any]:
+def _result(
+    problem: om.Problem, aircraft: Aircraft, limits, goal: Goal, before, after, outcome
+) -> dict[str, Any]:
     """Everything that is said of a finished run."""
     constraints, variables = constraint_rows(problem, limits), variable_rows(problem, aircraft)
     optimality = multipliers(problem, aircraft, goal, constraints, variables)

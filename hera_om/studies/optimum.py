@@ -42,23 +42,31 @@ def variable_rows(problem: om.Problem, aircraft: Aircraft) -> dict[str, dict[str
     box, out = variable_box(aircraft), {}
     for i, n in enumerate(box.names):
         value, width = number(problem, n, box.units[i]), box.upper[i] - box.lower[i]
-        at = "lower" if value - box.lower[i] < ACTIVE * width else "upper" if box.upper[i] - value < ACTIVE * width else None
+        at = (
+            "lower"
+            if value - box.lower[i] < ACTIVE * width
+            else "upper"
+            if box.upper[i] - value < ACTIVE * width
+            else None
+        )
         row = {"value": value, "lower": box.lower[i], "baseline": box.baseline[i], "upper": box.upper[i]}
         out[n] = row | {"at_bound": at, "multiplier": None}
     return out
 
 
-def multipliers(problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints, variables) -> dict[str, float]:
+def multipliers(
+    problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints, variables
+) -> dict[str, float]:
     """Fill in the multipliers and return how well the conditions of Karush, Kuhn and Tucker hold.
 
-    At an optimum the objective's gradient is a sum of the active constraints' outward gradients with factors that
-    are not negative: what a unit of relaxation gains. They are found by non-negative least squares over variables
-    scaled by their ranges (Nocedal & Wright, Numerical Optimization 2e, theorem 12.1).
+    At an optimum the objective's gradient is a sum of the active constraints' outward gradients with factors
+    that are not negative: what a unit of relaxation gains. They are found by non-negative least squares over
+    variables scaled by their ranges (Nocedal & Wright, Numerical Optimization 2e, theorem 12.1).
     """
     box = variable_box(aircraft)
     width = np.array(box.upper) - np.array(box.lower)
     active = [n for n, row in constraints.items() if row["active"]]
-    totals = problem.compute_totals([goal.name, *active], list(box.names))
+    totals: Any = problem.compute_totals([goal.name, *active], list(box.names))
 
     def gradient(name: str) -> np.ndarray:
         return np.array([totals[name, v][0, 0] for v in box.names]) * width
@@ -66,7 +74,9 @@ def multipliers(problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints
     rows: list[tuple[dict[str, Any], np.ndarray]] = []
     for n in active:
         row = constraints[n]
-        above = row["upper"] is not None and (row["lower"] is None or row["upper"] - row["value"] < row["value"] - row["lower"])
+        above = row["upper"] is not None and (
+            row["lower"] is None or row["upper"] - row["value"] < row["value"] - row["lower"]
+        )
         rows.append((row, gradient(n) * (1.0 if above else -1.0)))
     for i, n in enumerate(box.names):
         if variables[n]["at_bound"]:
@@ -86,9 +96,9 @@ def multipliers(problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints
 def gain_by_cause(before: dict[str, float], after: dict[str, float]) -> dict[str, float]:
     """Split the change of range at fixed take-off mass among its causes, km.
 
-    Range is (U / c_s) (CL / CD) ln(Wi / Wf), so ln(R1 / R0) is a sum: lift, each part of drag by its share of the
-    change of CD (logarithmic mean, exact), and fuel, which the structural mass saved has become. Each cause gets its
-    share of the logarithm times the change.
+    Range is (U / c_s) (CL / CD) ln(Wi / Wf), so ln(R1 / R0) is a sum: lift, each part of drag by its share of
+    the change of CD (logarithmic mean, exact), and fuel, which the structural mass saved has become. Each cause
+    gets its share of the logarithm times the change.
     """
     keys = ("range_fixed_mass", "CL", "CD", "L_over_D")
     r0, cl0, cd0, ld0 = (before[k] for k in keys)

@@ -270,17 +270,16 @@ class _Cases(om.SqliteRecorder):
 
 
 def worst_violation(constraints: Sequence[Mapping[str, Any]], values: Mapping[str, float]) -> float:
-    """The largest violation, each relative to the larger of its bounds' magnitudes; zero: feasible.
+    """The largest violation, each over the magnitude of the bound that is violated; zero: feasible.
 
-    A constraint whose largest bound is zero counts by its absolute violation.
+    A bound of zero counts as one.
     """
     worst = 0.0
     for c in constraints:
-        bounds = [abs(b) for b in (c["lower"], c["upper"]) if b is not None and math.isfinite(b)]
-        scale, value = max(bounds, default=0.0) or 1.0, values[c["name"]]
-        below = c["lower"] - value if c["lower"] is not None else 0.0
-        above = value - c["upper"] if c["upper"] is not None else 0.0
-        worst = max(worst, below / scale, above / scale)
+        value, lower, upper = values[c["name"]], c["lower"], c["upper"]
+        below = 0.0 if lower is None else (lower - value) / (abs(lower) or 1.0)
+        above = 0.0 if upper is None else (value - upper) / (abs(upper) or 1.0)
+        worst = max(worst, below, above)
     return worst
 
 

@@ -10,7 +10,17 @@ from hera_om.components import arrays
 from hera_om.components.aero import Aerodynamics
 from hera_om.studies.values import collect
 
-BOX = ("t_skin_upper", "t_skin_lower", "t_web_front", "t_web_rear", "RFC_span", "RFT_span", "bending", "shear", "torsion")
+BOX = (
+    "t_skin_upper",
+    "t_skin_lower",
+    "t_web_front",
+    "t_web_rear",
+    "RFC_span",
+    "RFT_span",
+    "bending",
+    "shear",
+    "torsion",
+)
 
 
 def snapshot(aircraft: Aircraft, problem: om.Problem) -> dict[str, Any]:
@@ -77,7 +87,7 @@ def _without_rotors(aircraft: Aircraft, values: dict[str, Any]) -> list[float]:
     kept = tuple(v for v in aircraft.variables if not v.path.startswith("rotor."))
     clean = tuple(d.model_copy(update={"rotor": None}) for d in aircraft.drag_area)
     bare = aircraft.model_copy(update={"rotor": (), "drag_area": clean, "variables": kept})
-    problem = om.Problem(name="without_rotors", reports=False)
+    problem = om.Problem(reports=False)
     problem.model.add_subsystem("aero", Aerodynamics(aircraft=bare), promotes=["*"])
     problem.setup()
     known = {m["prom_name"] for m in problem.model.get_io_metadata(iotypes=("input",)).values()}

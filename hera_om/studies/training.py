@@ -71,7 +71,8 @@ def train(
         progress: called with the analyses done, their number, 0, and seconds.
 
     Returns:
-        ``path``, ``samples``, ``failed``, ``quality`` (a row for each model of each output), ``shortfalls``, seconds.
+        ``path``, ``samples``, ``failed``, ``quality`` (a row for each model of each output), ``shortfalls``,
+        seconds.
 
     Raises:
         AnalysisFailure: more than a tenth of the analyses failed.
@@ -79,12 +80,16 @@ def train(
     begun, box = perf_counter(), sample_box(aircraft)
     lower, upper = (np.array(side) for side in zip(*box.values(), strict=True))
     unseen = max(2, round(UNSEEN * samples))
-    x = np.vstack([latin_hypercube(samples, lower, upper, seed), latin_hypercube(unseen, lower, upper, seed + 1)])
+    x = np.vstack(
+        [latin_hypercube(samples, lower, upper, seed), latin_hypercube(unseen, lower, upper, seed + 1)]
+    )
     names, y, kept = _analyse(aircraft, list(box), x, progress)
     if kept.mean() < LEAST_KEPT:
         raise AnalysisFailure(f"{np.sum(~kept)} of {len(kept)} sample analyses failed", where="train")
     seen = np.arange(len(x)) < samples
-    sizes = {name: int(np.prod(meta["shape"])) for kind, name, meta in interface(aircraft) if kind == "output"}
+    sizes = {
+        name: int(np.prod(meta["shape"])) for kind, name, meta in interface(aircraft) if kind == "output"
+    }
     units = {name: meta["units"] for _, name, meta in interface(aircraft)}
     analysed = perf_counter() - begun
     models = fit(
@@ -118,11 +123,12 @@ def train(
 
 def _analyse(aircraft: Aircraft, inputs: list[str], x: np.ndarray, progress: Progress | None):
     """Outputs of the component at every row of x; a row whose analysis failed is marked and left empty."""
-    problem = om.Problem(name="train", reports=False)
-    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
+    problem = om.Problem(reports=False)
+    aero = Aerodynamics(aircraft=aircraft)
+    problem.model.add_subsystem("aero", aero, promotes=["*"])
     problem.setup()
     problem.final_setup()
-    names = sorted(problem.model.aero._var_rel_names["output"])
+    names = sorted(aero._var_rel_names["output"])
     width = sum(problem.get_val(n).size for n in names)
     y, kept, begun = np.full((len(x), width), np.nan), np.zeros(len(x), bool), perf_counter()
     for i, row in enumerate(x):
@@ -140,7 +146,7 @@ def _analyse(aircraft: Aircraft, inputs: list[str], x: np.ndarray, progress: Pro
 
 def _centre_of_gravity(aircraft: Aircraft) -> dict[str, float]:
     """Centre of gravity of the baseline; the moment point where there are no masses."""
-    problem = om.Problem(name="balance", reports=False)
+    problem = om.Problem(reports=False)
     if aircraft.mass:
         problem.model.add_subsystem("mass", MassProperties(aircraft=aircraft), promotes=["*"])
     else:

@@ -60,7 +60,9 @@ def trim(
         result, problem = run(aircraft, source, load_factor, record, progress)
         if record is not None:
             record.snapshot("optimum", snapshot(aircraft, problem))
-            record.result({"optimum": result["values"], "success": result["trimmed"], "feasible": result["trimmed"]})
+            record.result(
+                {"optimum": result["values"], "success": result["trimmed"], "feasible": result["trimmed"]}
+            )
     return {"aircraft": aircraft.name, "hash": definition_hash(aircraft), "method": method, **result}
 
 
@@ -79,12 +81,17 @@ def _record(database, aircraft: Aircraft, method: str, load_factor: float) -> Re
 
 def _solve(aircraft: Aircraft, source, load_factor: float, record, progress):
     """Newton's method inside the analysis."""
-    problem = om.Problem(name="trim", reports=False)
+    problem = om.Problem(reports=False)
     model = problem.model
     model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
-    point = TrimPoint(aircraft=aircraft, aero=source, powered=bool(aircraft.rotor), load_factor=load_factor)
-    model.add_subsystem("cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"])
-    model.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
+    point = TrimPoint(
+        aircraft=aircraft, aero=source, powered=bool(aircraft.rotor), load_factor=float(load_factor)
+    )
+    model.add_subsystem(
+        "cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"]
+    )
+    stability = Stability(aircraft=aircraft)
+    model.add_subsystem("stability", stability, promotes=["*"])
     problem.setup()
     problem.set_solver_print(level=-1)
     trimmed = True
@@ -98,7 +105,12 @@ def _solve(aircraft: Aircraft, source, load_factor: float, record, progress):
             raise AnalysisFailure(str(error), where="trim") from error
     bounds = state_bounds(aircraft, bool(aircraft.rotor))
     left = {n: float(v[0]) for n, v in _residuals(point.balance).items()}
-    return _result(problem, trimmed, saturated(point.balance), bounds, left), problem
+    result = _result(problem, trimmed, saturated(point.balance), bounds, left)
+    if not trimmed:  # what follows the trim has not run
+        result["values"] = {
+            k: v for k, v in result["values"].items() if k not in stability._var_rel_names["output"]
+        }
+    return result, problem
 
 
 def _residuals(balance) -> dict[str, Any]:
@@ -122,7 +134,9 @@ def _optimise(aircraft: Aircraft, source, load_factor: float, record, progress):
     stuck = [n for n, (low, high) in bounds.items() if min(values[n] - low, high - values[n]) < 1e-6]
     closed = all(abs(v) < TRIM_BALANCE for v in left.values())
     if progress is not None:
-        progress(int(done.iter_count), values[TRIM_GOAL.name], max(map(abs, left.values())), float(done.runtime))
+        progress(
+            int(done.iter_count), values[TRIM_GOAL.name], max(map(abs, left.values())), float(done.runtime)
+        )
     result = _result(problem, closed, stuck, bounds, left)
     return result | {"iterations": int(done.iter_count), "evaluations": int(done.model_evals)}, problem
 

@@ -125,7 +125,7 @@ def result():
         "seconds": 58.3,
         "gain": {
             "induced": 24.0, "profile": 7.5, "fixed_area": 3.6, "slipstream": 9.9, "shaft_power": -4.0,
-            "structural_mass": 137.0, "fuel": 0.0,
+            "structural_mass": 137.0, "fuel": 0.0, "total": 178.0,
         },
     }  # fmt: skip
 

@@ -57,15 +57,19 @@ def test_a_run_without_a_result_is_unfinished(synthetic, tmp_path, until, rows):
     assert len(run.history) == rows
 
 
-@pytest.mark.parametrize(("value", "margin"), [(0.2, 0.1), (0.3, 0.1), (0.05, -0.05), (0.5, -0.1)])
-def test_margin_is_to_the_nearer_bound(value, margin):
-    assert Constraint("a", None, 0.1, 0.4).margin(value) == pytest.approx(margin)
+@pytest.mark.parametrize(
+    ("value", "margin", "relative"),
+    [(0.2, 0.2, 0.5), (0.11, 0.01, 0.1), (0.05, -0.05, -0.5), (0.5, -0.1, -0.25)],
+)
+def test_margin_is_to_the_relatively_nearer_bound(value, margin, relative):
+    constraint = Constraint("a", None, 0.1, 0.4)
+    assert constraint.margin(value) == pytest.approx(margin)
+    assert constraint.relative(value) == pytest.approx(relative)
 
 
-def test_scale_of_a_constraint():
-    assert Constraint("a", None, -2.0, 1.0).scale == 2.0
-    assert Constraint("a", None, 0.0, 0.0).scale == 1.0
-    assert Constraint("a", None, None, None).scale == 1.0
+def test_margin_to_a_bound_of_zero_and_to_none():
+    assert Constraint("a", None, 0.0, 0.0).relative(0.3) == -0.3
+    assert Constraint("a", None, None, None).relative(1.0) == float("inf")
 
 
 def test_missing_file_and_folder(tmp_path):

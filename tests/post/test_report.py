@@ -88,7 +88,7 @@ def test_every_pane_is_there_and_none_failed(html):
     [
         "hera_like", "converged", "feasible", "SLSQP", "58.3 s",
         "1\u2009218 → 1\u2009396 km (+14.6 %)", "−11.5 %",
-        "at its upper bound", "active", "61.2", "Table 7", "cm²", "induced, near field",
+        "at bound", "active", "61.2", "Table 7", "cm²", "induced, near field",
         "−10.20", "Optimisation",
         "spar caps", "wing.section", "openmdao",
     ],

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from hera_om import post
+from hera_om.aircraft import load_aircraft
 from hera_om.post import tables
 from hera_om.studies.record import Record
 
@@ -48,8 +49,6 @@ def test_history(database, synthetic):
 
 
 def test_a_failed_evaluation_has_no_numbers_in_the_history(tmp_path, synthetic):
-    from hera_om.aircraft import load_aircraft
-
     with Record(tmp_path / "a.db", kind="mdo", aircraft=load_aircraft("hera_like")) as r:
         r.history(synthetic.row(1, 0.0))
         r.history({"iteration": 2, "success": False, "objective": None, "variables": {"y_kink": 5.0}})
@@ -67,6 +66,15 @@ def test_comparison(database):
         100 * 0.4 / 1.2
     )  # up is up, below zero too
     assert frame.loc["y_kink", "units"] == "m" and frame.loc["m_skins", "meaning"] == ""
+
+
+def test_a_residual_has_no_change_in_percent(tmp_path):
+    with Record(tmp_path / "a.db", kind="mdo", aircraft=load_aircraft("wing_alone")) as r:
+        r.snapshot("baseline", {"values": {"Cm": -6e-12, "mass_saved": 1e-8, "CL": 0.5}})
+        r.snapshot("optimum", {"values": {"Cm": 2e-12, "mass_saved": 350.0, "CL": 0.6}})
+    frame = post.comparison(tmp_path / "a.db")
+    assert frame["change_percent"].isna().tolist() == [True, True, False]
+    assert frame.loc["CL", "change_percent"] == pytest.approx(20.0)
 
 
 def test_drag_adds_up_to_the_recorded_total(database):
@@ -102,6 +110,7 @@ def test_secondary_structure_is_what_primary_and_remainder_leave():
 
 def test_gain(database):
     split = post.gain(database)
+    assert "total" not in split.index
     assert split.sum() == pytest.approx(178.0) and split.name == "range_fixed_mass"
 
 
