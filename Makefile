@@ -17,7 +17,7 @@ export JAX_PLATFORMS        ?= cpu
 PYTEST := $(BIN)/python -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help install mdo test slow mutations bench lint format clean
+.PHONY: help install mdo test slow mutations validation bench lint format clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*## ' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -44,6 +44,9 @@ slow: $(STAMP) ## run the slow tests
 
 mutations: $(STAMP) ## switch each effect off and see its validation test fail
 	$(PYTEST) -q -n $(WORKERS) -m mutation
+
+validation: $(STAMP) ## write docs/validation.md from the functions of the tests
+	$(BIN)/python docs/make_validation.py
 
 bench: $(STAMP) ## time the benchmarks
 	@for script in $(sort $(wildcard benchmarks/bench_*.py)); do \

@@ -35,3 +35,47 @@ def root() -> Path:
 def reference() -> Path:
     """Folder of the reference data: numbers that do not come from our own code."""
     return Path(__file__).resolve().parent / "reference"
+
+
+# Coarse, so that a test compiles and runs fast; one structure, so that all tests share what is compiled.
+SMALL = {
+    "lattice.wing_spanwise": 8,
+    "lattice.wing_chordwise": 2,
+    "lattice.tail_spanwise": 4,
+    "lattice.tail_chordwise": 2,
+    "lattice.rotor_radial": 4,
+    "lattice.rotor_azimuthal": 6,
+    "lattice.box_stations": 8,
+}
+
+
+@pytest.fixture(scope="session")
+def small_aircraft():
+    """Loader of a shipped aircraft on a coarse lattice, with further numbers replaced by path."""
+    from hera_om.aircraft import load_aircraft
+
+    def load(name="hera_like", **numbers):
+        return load_aircraft(name, SMALL | {path.replace("__", "."): v for path, v in numbers.items()})
+
+    return load
+
+
+@pytest.fixture(scope="session")
+def small(small_aircraft):
+    """The DEP aircraft on a coarse lattice."""
+    return small_aircraft()
+
+
+@pytest.fixture(scope="session")
+def compilations():
+    """Names of JAX's tracing and compiling events of this process, in order; a test looks at what is added."""
+    import jax
+
+    seen = []
+
+    def listen(event, seconds, **_):
+        if event.startswith("/jax/core/compile/"):
+            seen.append(event)
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    return seen

@@ -21,6 +21,7 @@ _STABILITY = (
 )
 _MASS = "mass m_wing x_cg z_cg Ixx Iyy Izz Ixz RFC RFT".split()
 _RANGE = ("range_fixed_mass", "range_fixed_fuel", "range_per_energy")
+_MDO = {"alpha", "delta_e", "CL", "CD", "CDi", "L_over_D", "thrust", "power", "CAP", *_STABILITY, *_MASS, *_RANGE}
 _COUNTS = 1e4  # drag counts in a drag coefficient of 1
 
 
@@ -71,16 +72,17 @@ def trim_text(result: Result) -> str:
 
 
 def mdo_text(result: Result) -> str:
-    """Baseline against optimum, constraints, and the gain by cause."""
+    """Baseline against optimum in their main numbers, constraints, and the gain by cause; the record has the rest."""
     verdict = "feasible" if result.get("feasible", True) else "INFEASIBLE"
     before, after, units = result.get("baseline", {}), result.get("optimum", {}), _units(result)
-    names = [n for n in _ordered(before) if n in after and not _DERIVATIVE.fullmatch(n)]
+    shown = {*result.get("variables", before), *_MDO}
+    names = [n for n in _ordered(before) if n in after and (n in shown or n.startswith("theta_"))]
     rows = [(n, before[n], after[n], _change(before[n], after[n]), _unit(n, units)) for n in names]
     head = ("", "baseline", "optimum", "change %", "unit")
     return _join(
         f"{_title(result)}: {verdict}",
         _section("Baseline and optimum", [r for r in rows if _is_scalar(r[1]) and _is_scalar(r[2])], head),
-        _records("Constraints", result.get("constraints", {})),
+        _records("Constraints", _without_reasons(result.get("constraints", {}))),
         _records("Gain by cause", result.get("gain", {})),
     )
 
@@ -186,6 +188,16 @@ def _records(title: str, entries: Any) -> str:
     records = {n: e if isinstance(e, Mapping) else {"value": e} for n, e in entries.items()}
     columns = list(dict.fromkeys(key for record in records.values() for key in record))
     return _section(title, [[n, *(r.get(c) for c in columns)] for n, r in records.items()], ["", *columns])
+
+
+def _without_reasons(constraints: Any) -> Any:
+    """Constraints without the text that says where each comes from: the report has it."""
+    if not isinstance(constraints, Mapping):
+        return constraints
+    return {
+        n: {k: v for k, v in row.items() if k != "reason"} if isinstance(row, Mapping) else row
+        for n, row in constraints.items()
+    }
 
 
 def _requirement(row: Result) -> str:

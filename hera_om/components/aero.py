@@ -42,7 +42,8 @@ class Aerodynamics(JaxComponent):
     """Coefficients, drag build-up, power-on derivatives and loads at one flight condition.
 
     Evaluation has two stages: assembly and factorisation, which read geometry and Mach number, are kept while
-    those stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then cheap.
+    those stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then
+    cheap.
 
     While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
     elevator and blade pitch, from derivatives that `compute` has found anyway.

@@ -14,6 +14,7 @@ from hera_om.physics.performance import pull_up_rate
 from hera_om.surrogates import SurrogateSet, outside, predict
 
 RATE = "q_hat"  # enters linearly, by the model's own derivatives
+DERIVED = ("L_over_D", "coupling_residual")  # not trained: CL / CD, and nothing to couple
 FIXED = ("mach", "altitude", "load_factor", RATE)  # not sampled: the condition is the definition's
 
 
@@ -61,12 +62,13 @@ class SurrogateAerodynamics(om.ExplicitComponent):
         return x
 
     def _rate(self, inputs) -> np.ndarray:
-        """Pitch rate and load factor."""
-        return np.array([float(inputs[RATE][0]), float(inputs["load_factor"][0])])
+        """Pitch rate beyond that of the samples, and load factor."""
+        sampled = self.options["aircraft"].flight.q_hat
+        return np.array([float(inputs[RATE][0]) - sampled, float(inputs["load_factor"][0])])
 
     def compute(self, inputs, outputs) -> None:
         """Predict."""
-        values = _functions()[0](*self._args(inputs))
+        values = np.asarray(_functions()[0](*self._args(inputs)))
         for name, (start, stop) in self._slices().items():
             outputs[name] = np.reshape(values[start:stop], outputs[name].shape)
 
@@ -84,17 +86,19 @@ class SurrogateAerodynamics(om.ExplicitComponent):
         found = self.options["surrogate"]
         start = {n: s.start for n, s in found.slices.items()}
         places = np.array([[start[c], start[f"{c}_q"]] for c in COEFFICIENTS])
-        ratio = np.array([start["L_over_D"], start["CL"], start["CD"]])
+        ratio = np.array([start["CL"], start["CD"]])
         stream = np.array([self._speed, self._chord])
         return found.predictor, self._point(inputs), self._rate(inputs), places, ratio, stream
 
     def _slices(self) -> dict[str, tuple[int, int]]:
-        """Where each output stands in a prediction."""
-        return {n: (s.start, s.stop) for n, s in self.options["surrogate"].slices.items()}
+        """Where each output stands in a prediction: those trained, then those derived."""
+        out = {n: (s.start, s.stop) for n, s in self.options["surrogate"].slices.items()}
+        end = sum(self.options["surrogate"].output_sizes)
+        return out | {n: (end + i, end + i + 1) for i, n in enumerate(DERIVED)}
 
 
 def interface(aircraft: Aircraft) -> list[tuple[str, str, dict]]:
-    """Inputs and outputs of `Aerodynamics` for an aircraft: kind, name, arguments of `add_input`, `add_output`."""
+    """Inputs and outputs of `Aerodynamics`: kind, name, arguments of `add_input` or `add_output`."""
     problem, aero = om.Problem(reports=False), Aerodynamics(aircraft=aircraft)
     problem.model.add_subsystem("aero", aero)
     problem.setup()
@@ -116,7 +120,7 @@ def _functions():
         speed, chord = stream
         turning = rate[0] + pull_up_rate(speed, rate[1]) * chord / (2 * speed)
         y = y.at[places[:, 0]].add(y[places[:, 1]] * turning)
-        return y.at[ratio[0]].set(y[ratio[1]] / y[ratio[2]])
+        return jnp.concatenate([y, jnp.stack([y[ratio[0]] / y[ratio[1]], jnp.zeros(())])])
 
     def jacobian(predictor, x, rate, *rest):
         def run(v):

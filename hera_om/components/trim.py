@@ -10,6 +10,7 @@ GRAVITY = 9.80665  # m/s^2, ICAO Doc 7488
 RAD = np.pi / 180
 ALPHA_BOUNDS = (-10.0, 20.0)  # deg: the solver's; what the model holds for is told by the lift margin
 PITCH_BOUNDS = (0.0, 85.0)  # deg: blade pitch where the definition gives no bounds
+Bounds = dict[str, tuple[float, float]]
 _DIMENSIONLESS = ("CX", "CZ", "Cm")
 
 
@@ -30,6 +31,13 @@ def state_bounds(aircraft: Aircraft, powered: bool) -> dict[str, tuple[float, fl
             PITCH_BOUNDS[1] if high is None else high,
         )
     return out
+
+
+def narrowed(bounds: Bounds, within: Bounds) -> Bounds:
+    """Bounds by name, where given no wider than others."""
+    free = (-np.inf, np.inf)
+    pairs = {n: (b, within.get(n, free)) for n, b in bounds.items()}
+    return {n: (max(a[0], b[0]), min(a[1], b[1])) for n, (a, b) in pairs.items()}
 
 
 def start_values(aircraft: Aircraft) -> dict[str, float]:
@@ -122,6 +130,8 @@ class TrimBalance(om.ImplicitComponent):
         """Declare options."""
         self.options.declare("aircraft", types=Aircraft, desc="definition of the aircraft")
         self.options.declare("powered", types=bool, default=True, desc="balance thrust too, by blade pitch")
+        text = "narrower bounds by state, deg: the box of a surrogate"
+        self.options.declare("within", types=dict, default={}, desc=text)
 
     def setup(self) -> None:
         """Inputs, bounded states, partials."""
@@ -129,7 +139,8 @@ class TrimBalance(om.ImplicitComponent):
         self.equilibrium = _Equilibrium()
         self.equilibrium.declare_inputs(self, aircraft, self.options["powered"])
         start = start_values(aircraft)
-        for name, (low, high) in state_bounds(aircraft, self.options["powered"]).items():
+        bounds = state_bounds(aircraft, self.options["powered"])
+        for name, (low, high) in narrowed(bounds, self.options["within"]).items():
             self.add_output(
                 name, val=start[name], lower=low, upper=high, units="deg", desc=quantity(name).desc
             )

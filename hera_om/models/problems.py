@@ -7,15 +7,26 @@ import openmdao.api as om
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.paths import variable_box
 from hera_om.components.mass import MassProperties
-from hera_om.components.trim import TrimResiduals, start_values
+from hera_om.components.trim import TrimResiduals, narrowed, start_values
 from hera_om.components.wingbox import frozen_remainder
-from hera_om.models.cases import MDO_GOAL, STARTS, TRIM_BALANCE, TRIM_GOAL, Goal, Limit, mdo_limits, table_4
+from hera_om.models.cases import (
+    GOALS,
+    MDO_GOAL,
+    STARTS,
+    TRIM_BALANCE,
+    TRIM_GOAL,
+    Goal,
+    Limit,
+    mdo_limits,
+    table_4,
+)
 from hera_om.models.trimmed import (
     Aero,
     TrimmedAircraft,
     aero_variables,
     aerodynamics,
     has_box,
+    known_box,
     wing_structure,
 )
 
@@ -41,6 +52,7 @@ def build_mdo(
     aero: Aero = "lattice",
     max_iterations: int | None = None,
     start: str = "baseline",
+    objective: str = MDO_GOAL.name,
 ) -> om.Problem:
     """The problem of Table 7: its variables, range, flying qualities, reserve factors, with the trim inside.
 
@@ -50,6 +62,7 @@ def build_mdo(
         aero: ``lattice`` or a SurrogateSet.
         max_iterations: of the driver; absent: see `DRIVERS`.
         start: one of `cases.STARTS`.
+        objective: one of `cases.GOALS`.
 
     Returns:
         An OpenMDAO problem, set up, its variables at the start.
@@ -58,11 +71,13 @@ def build_mdo(
         ValueError: the definition lacks a part that the case needs, or an argument is not among the choices.
     """
     _require(aircraft, "mdo", variables=aircraft.variables, mass=aircraft.mass, mission=aircraft.mission)
+    if objective not in GOALS:
+        raise ValueError(f"objective {objective!r}: expected one of {', '.join(GOALS)}")
     problem = build_aircraft(aircraft, aero=aero)
     box = variable_box(aircraft)
     for i, n in enumerate(box.names):
         problem.model.add_design_var(n, lower=box.lower[i], upper=box.upper[i], units=box.units[i])
-    _add_goals(problem, MDO_GOAL, mdo_limits(has_box(aircraft)))
+    _add_goals(problem, GOALS[objective], mdo_limits(has_box(aircraft)))
     problem.driver = make_driver(driver, max_iterations)
     _set_up(problem)
     set_start(problem, aircraft, start)
@@ -70,7 +85,7 @@ def build_mdo(
 
 
 def build_trim(aircraft: Aircraft, *, aero: Aero = "lattice", load_factor: float = 1.0) -> om.Problem:
-    """The problem of Table 4: incidence, elevator, blade pitch for three balances and the best L/D; SLSQP."""
+    """The problem of Table 4: incidence, elevator, blade pitch for three balances and the best L/D."""
     _require(aircraft, "trim", mass=aircraft.mass)
     model = om.Group()
     model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
@@ -86,7 +101,7 @@ def build_trim(aircraft: Aircraft, *, aero: Aero = "lattice", load_factor: float
         promotes_outputs=["*"],
     )
     model.set_input_defaults("load_factor", val=load_factor)
-    for state, (low, high) in table_4(aircraft).items():
+    for state, (low, high) in narrowed(table_4(aircraft), known_box(aero)).items():
         model.add_design_var(state, lower=low, upper=high, units="deg")
     problem = om.Problem(model, reports=False)
     problem.driver = make_driver("SLSQP", None)

@@ -11,7 +11,7 @@ from hera_om.components.box_arrays import box_reads
 from hera_om.components.mass import MassProperties
 from hera_om.components.performance import Performance
 from hera_om.components.stability import Stability
-from hera_om.components.trim import TrimBalance
+from hera_om.components.trim import Bounds, TrimBalance
 from hera_om.components.wingbox import WingBox
 from hera_om.models.trim_solver import TrimNewton
 from hera_om.surrogates.surrogate_set import SurrogateSet
@@ -40,12 +40,22 @@ class TrimPoint(om.Group):
         """Two components and Newton's method."""
         aircraft = self.options["aircraft"]
         aero = aerodynamics(aircraft, self.options["aero"])
-        self.balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"])
+        within = known_box(self.options["aero"])
+        self.balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"], within=within)
         self.add_subsystem("aero", aero, promotes=["*"])
         self.add_subsystem("balance", self.balance, promotes=["*"])
         self.set_input_defaults("load_factor", val=self.options["load_factor"])
         self.nonlinear_solver = TrimNewton(aero, self.balance)
         self.linear_solver = om.DirectSolver()
+
+
+def known_box(aero: Aero) -> Bounds:
+    """Box of the inputs that a surrogate knows; the lattice has none."""
+    if isinstance(aero, str):
+        return {}
+    return dict(
+        zip(aero.input_names, zip(map(float, aero.lower), map(float, aero.upper), strict=True), strict=True)
+    )
 
 
 def aerodynamics(aircraft: Aircraft, aero: Aero):

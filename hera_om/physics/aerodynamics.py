@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Body, Flow, RotorPlan, StripPolar, Surface
 from hera_om.physics.coupling import SLIPSTREAM, Controls, Response, Setting, onset, panel_layout, respond
-from hera_om.physics.disks import Wake, slipstreams
+from hera_om.physics.disks import Wake, mean_slipstreams
 from hera_om.physics.lattice import Lattice, solve
 from hera_om.physics.lattice_forces import (
     StripLoads,
@@ -56,7 +56,7 @@ class Loads(NamedTuple):
 
 
 class AeroResult(NamedTuple):
-    """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta_e and the groups' blade pitch, per radian."""
+    """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta_e and blade pitch, per radian."""
 
     total: Coefficients
     derivatives: Coefficients  # each [3 + g]
@@ -84,12 +84,13 @@ def evaluate(
 ) -> AeroResult:
     """Everything at one state, with the derivatives by the state at equilibrium of lattice and rotors.
 
-    The response of lattice and rotors is differentiated by the state and by the unknowns of the coupling, the implicit
-    function theorem joins both, and the forces are differentiated along the directions that result.
+    The response of lattice and rotors is differentiated by the state and by the unknowns of the coupling, the
+    implicit function theorem joins both, and the forces are differentiated along the directions that result.
 
-    The alpha-dot derivatives are INTERIM: quasi-steady flow in which the wing's circulation, as the tail sees it, is
-    late by the time of flight from the wing (the lag of downwash, Etkin & Reid, Dynamics of Flight 3e, section 5.5),
-    computed with the lattice's own downwash. Apparent mass and the wing's own unsteady wake are left out.
+    The alpha-dot derivatives are INTERIM: quasi-steady flow in which the wing's circulation, as the tail sees
+    it, is late by the time of flight from the wing (the lag of downwash, Etkin & Reid, Dynamics of Flight 3e,
+    section 5.5), computed with the lattice's own downwash. Apparent mass and the wing's own unsteady wake are
+    left out.
 
     Args:
         flat: equilibrium from `coupling.find_root` or `coupling.carry_derivatives`.
@@ -156,8 +157,8 @@ def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setti
     if system.lattice is not None:
         lattice = system.lattice
         wash = jnp.zeros_like(lattice.points)
-        if plan is not None:
-            wash = SLIPSTREAM * slipstreams(at.rotors, plan, answer.wake, lattice.points)
+        if plan is not None and at.rotors is not None and answer.wake is not None:
+            wash = SLIPSTREAM * mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms)
         local = onset(lattice.points, x, c=at.c, point=flow.point) + wash
         loads = strip_loads(lattice, lay, filament_forces(lattice, lay, answer.gamma, local))
         drag, cl, margin = _profile(lattice, lay, loads, local, polar, flow)
@@ -171,8 +172,8 @@ def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setti
     area_force, area_moment = _areas(body, answer, stream, flow)
     force, moment = force + area_force, moment + area_moment
     everything, cm = force / body.S, moment[1] / (body.S * body.c) + body.munk_slope * x.alpha
-    if plan is not None:
-        hub_force, hub_moment = _hub_loads(at.rotors, plan, answer, flow)
+    if plan is not None and answer.loads is not None:
+        hub_force, hub_moment = _hub_loads(at.rotors, plan, answer.loads, flow)
         q_S = 0.5 * flow.density * flow.speed**2 * body.S
         everything, cm = everything + hub_force / q_S, cm + hub_moment[1] / (q_S * body.c)
     total = Coefficients(force @ up / body.S, force @ stream / body.S, everything[0], everything[2], cm)
@@ -193,7 +194,7 @@ def _strip_polars(surfaces: list[Surface], lay: Layout) -> StripPolar:
 
 
 def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polar: StripPolar, flow: Flow):
-    """Profile drag of every strip in its own stream, section lift coefficients, and the least margin to cl_max.
+    """Profile drag of every strip in its own stream, section lift coefficients, least margin to cl_max.
 
     The stream of a strip is the mean over its bound filaments, without the lattice's own induction.
     """
@@ -214,7 +215,7 @@ def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polar: 
 
 
 def _areas(body: Body, answer: Response, stream, flow: Flow):
-    """Drag areas in the free stream, or in the developed slipstream (twice the disk's mean velocity) of a rotor."""
+    """Drag areas in the free stream, or in a rotor's developed slipstream, twice its mean velocity."""
     d = body.drag
     pressure = jnp.ones_like(d.area)
     if answer.wake is not None:
@@ -225,10 +226,10 @@ def _areas(body: Body, answer: Response, stream, flow: Flow):
     return force, jnp.stack([jnp.zeros_like(arm), arm * stream[0], jnp.zeros_like(arm)])
 
 
-def _hub_loads(rotors, plan, answer: Response, flow: Flow):
+def _hub_loads(rotors, plan, loads: RotorSolution, flow: Flow):
     """Hub force (N) and moment about the point (N m) of all rotors, mirrored ones included."""
-    force, moment = answer.loads.force, answer.loads.moment
-    about = moment + jnp.cross(rotors.hub - flow.point, force)
+    force = loads.force
+    about = loads.moment + jnp.cross(rotors.hub - flow.point, force)
     if plan.sides == 1:
         return jnp.sum(force, axis=0), jnp.sum(about, axis=0)
     keep = jnp.asarray([2.0, 0.0, 2.0])
@@ -236,7 +237,7 @@ def _hub_loads(rotors, plan, answer: Response, flow: Flow):
 
 
 def _alphadot(local, x: Controls, answer: Response, gamma_alpha, *, at: Setting, body: Body, tail, lay: Layout):
-    """Derivatives by alphadot c / 2V: the tail meets the downwash of a wing that was at alpha - alphadot dx / V."""
+    """Derivatives by alphadot c / 2V: the tail meets the downwash of a wing at alpha - alphadot dx / V."""
     if tail is None or at.system.lattice is None:
         return Coefficients(*[jnp.zeros(())] * 5)
     lattice, flow, wing = at.system.lattice, at.flow, lay.counts[0]

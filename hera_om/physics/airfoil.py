@@ -41,7 +41,9 @@ def camber_line(name: str, x) -> tuple[np.ndarray, np.ndarray]:
         scale = int(digits[0]) * _DESIGN_CL_PER_DIGIT / _TABLE_CL
         m, k1 = _FIVE_DIGIT[digits[1:3]]
         return _five_digit(m, scale * k1, x)
-    raise ValueError(f"unknown airfoil {name!r}: expected 'flat', 'NACA' with 4 digits, or with 5 digits ds0tt, s = 1..5")
+    raise ValueError(
+        f"unknown airfoil {name!r}: expected 'flat', 'NACA' with 4 digits, or with 5 digits ds0tt, s = 1..5"
+    )
 
 
 def _four_digit(m: float, p: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,7 @@
 """Lattice and rotors solved together: slipstream on the surfaces, upwash of the surfaces at the disks.
 
-The lattice is linear in the velocities of the slipstreams, so the coupled system reduces to the rotors' unknowns:
-the mean induced velocities of every annulus (two numbers by rotor and radius).
+The lattice is linear in the velocities of the slipstreams, so the coupled system reduces to the rotors'
+unknowns: the mean induced velocities of every annulus (two numbers by rotor and radius).
 """
 
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from jax import lax
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors, Surface
-from hera_om.physics.disks import Wake, disk_points, rotor_loads, slipstreams
+from hera_om.physics.disks import Wake, disk_points, mean_slipstreams, rotor_loads
 from hera_om.physics.geometry import CAMBER, make_panels
 from hera_om.physics.lattice import Lattice, assemble, solve
 from hera_om.physics.layout import Layout, layout
@@ -20,7 +20,7 @@ from hera_om.physics.rotor import RotorSolution
 TOLERANCE = 1e-12  # of the induced velocities over the flight speed
 MAX_ITERATIONS = 60  # of the coupling; the residual is an output, so that a failure is seen
 SLIPSTREAM = 1.0
-"""Share of the slipstream that reaches the surfaces; 0 makes the rotors act on the aircraft by their hub forces only."""
+"""Share of the slipstream that reaches the surfaces; 0 leaves the rotors only their hub forces."""
 UPWASH = 1.0
 """Share of the surfaces' induced velocity that reaches the disks."""
 
@@ -57,7 +57,7 @@ class Controls(NamedTuple):
 class Root(NamedTuple):
     """Equilibrium found without derivatives, and what carries derivatives through it."""
 
-    flat: Float[Array, " u"]  # induced velocities over the flight speed: axial, then swirl, by rotor and radius
+    flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by rotor and radius
     phi: Array | None  # inflow angles of the blade elements there, rad
 
 
@@ -79,7 +79,9 @@ class Setting(NamedTuple):
     c: Array | float  # reference chord, m
 
 
-def make_system(surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, shape: str = CAMBER) -> System:
+def make_system(
+    surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, shape: str = CAMBER
+) -> System:
     """Panels, factorised lattice, and its influence on the disks."""
     panels = [make_panels(s.sections, s.grid, shape) for s in surfaces]
     if not panels:
@@ -98,7 +100,7 @@ def panel_layout(surfaces: list[Surface]) -> Layout:
 
 
 def onset(points, x: Controls, *, c, point) -> Float[Array, "... 3"]:
-    """Free stream and pitch rate over the flight speed: air moves by -(omega x r) relative to a turning aircraft."""
+    """Free stream and pitch rate over the flight speed: -(omega x r) relative to the aircraft."""
     stream = jnp.stack([jnp.cos(x.alpha), jnp.zeros_like(x.alpha), jnp.sin(x.alpha)])
     rate = 2.0 * x.q_hat / c
     arm = points - point
@@ -111,8 +113,10 @@ def normals(lattice: Lattice, delta_e) -> Float[Array, "n 3"]:
 
 
 def circulation(at: Setting, x: Controls, extra) -> Float[Array, " n"]:
-    """Ring circulations with the velocity ``extra`` [n, 3] at the collocation points."""
+    """Ring circulations with the velocity ``extra`` [n, 3] at the collocation points, if any."""
     lattice = at.system.lattice
+    if lattice is None:
+        return jnp.zeros(0)
     wash = onset(lattice.collocation, x, c=at.c, point=at.flow.point) + extra
     return solve(lattice, -jnp.sum(wash * normals(lattice, x.delta_e), axis=-1))
 
@@ -123,16 +127,16 @@ def unknowns(plan: RotorPlan | None, system: System) -> int:
 
 
 def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, phi=None) -> Response:
-    """One pass: slipstreams of the given strength, the lattice in them, the rotors in the lattice's upwash."""
-    if plan is None:
+    """One pass: slipstreams of the given strength, the lattice in them, the rotors in its upwash."""
+    if plan is None or at.rotors is None:
         return Response(flat, circulation(at, x, jnp.zeros(3)), None, None)
     if at.system.lattice is None:
-        loads = _disk_loads(at, x, None, plan, phi)
+        loads = _disk_loads(at.rotors, at, x, None, plan=plan, phi=phi)
         return Response(flat, jnp.zeros(0), loads, Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed))
     wake = Wake(*flat.reshape(2, len(plan.groups), plan.radial))
-    extra = SLIPSTREAM * slipstreams(at.rotors, plan, wake, at.system.lattice.collocation)
+    extra = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across)
     gamma = circulation(at, x, extra)
-    loads = _disk_loads(at, x, gamma, plan, phi)
+    loads = _disk_loads(at.rotors, at, x, gamma, plan=plan, phi=phi)
     induced = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
     return Response(induced, gamma, loads, wake)
 
@@ -148,7 +152,7 @@ def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
     if plan is None:
         return Root(jnp.zeros(0), None)
     if n == 0:
-        return Root(jnp.zeros(0), respond(jnp.zeros(0), x, at, plan).loads.phi)
+        return Root(jnp.zeros(0), _answer(jnp.zeros(0), x, at, plan)[1])
 
     def unfinished(carry):
         flat, out, _, i = carry
@@ -156,13 +160,18 @@ def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
 
     def step(carry):
         _, out, _, i = carry
-        answer = respond(out, x, at, plan)
-        return out, answer.flat, answer.loads.phi, i + 1
+        return out, *_answer(out, x, at, plan), i + 1
 
     start = jnp.zeros(n)
     blank = jnp.zeros((len(plan.groups), plan.radial, plan.azimuthal))
     _, flat, phi, _ = lax.while_loop(unfinished, step, (start - 1.0, start, blank, 0))
     return Root(flat, phi)
+
+
+def _answer(flat, x: Controls, at: Setting, plan: RotorPlan) -> tuple[Array, Array | None]:
+    """Induced velocities and inflow angles that the rotors answer with."""
+    answer = respond(flat, x, at, plan)
+    return answer.flat, None if answer.loads is None else answer.loads.phi
 
 
 def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: RotorPlan | None) -> Float[Array, " u"]:
@@ -174,10 +183,10 @@ def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: Rotor
     return root.flat - inverse @ miss
 
 
-def _disk_loads(at: Setting, x: Controls, gamma, plan: RotorPlan, phi) -> RotorSolution:
+def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, *, plan: RotorPlan, phi) -> RotorSolution:
     """Rotors in the free stream, the pitch rate and the upwash of the surfaces."""
-    points = disk_points(at.rotors, plan)
+    points = disk_points(rotors, plan)
     stream = onset(points, x, c=at.c, point=at.flow.point)
     if at.system.disk_velocity is not None:
         stream = stream + UPWASH * at.system.disk_velocity @ gamma
-    return rotor_loads(at.rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)
+    return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)

@@ -12,8 +12,12 @@ from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_
 from hera_om.physics.slipstream import slipstream_velocity
 
 EDGE_WIDTH = 0.1
-"""Width of the slipstream's edge over the rotor radius: the shear layer of a propeller jet half a diameter to a
-diameter behind its disk (choice; see the limits of `slipstream`)."""
+"""Width of the slipstream's edge over the rotor radius: the shear layer of a propeller jet half a diameter
+to a diameter behind its disk (choice; see the limits of `slipstream`)."""
+
+
+GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
+GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
 
 class Wake(NamedTuple):
@@ -46,9 +50,15 @@ def disk_points(rotors: Rotors, plan: RotorPlan) -> Float[Array, "m nr npsi 3"]:
 
 
 def rotor_loads(
-    rotors: Rotors, plan: RotorPlan, velocity: Float[Array, "m nr npsi 3"], *, pitch: Float[Array, " g"], flow: Flow, phi=None
+    rotors: Rotors,
+    plan: RotorPlan,
+    velocity: Float[Array, "m nr npsi 3"],
+    *,
+    pitch: Float[Array, " g"],
+    flow: Flow,
+    phi=None,
 ) -> RotorSolution:
-    """Every rotor in the given stream (geometry axes, m/s); forces and moments of the result in geometry axes.
+    """Every rotor in the given stream (geometry axes, m/s); forces and moments in geometry axes too.
 
     ``phi``, the inflow angles if they are known already, saves the search for them.
     """
@@ -75,6 +85,19 @@ def rotor_loads(
     out = jax.vmap(one)(blades(rotors, plan), local, pitch[jnp.asarray(plan.groups)], rotors, phi)
     force, moment = (jnp.einsum("mi,mij->mj", v, axes) for v in (out.force, out.moment))
     return out._replace(force=force, moment=moment)
+
+
+def mean_slipstreams(
+    rotors: Rotors, plan: RotorPlan, wake: Wake, middles: Float[Array, "p 3"], spans: Float[Array, "p 3"]
+) -> Float[Array, "p 3"]:
+    """`slipstreams` averaged along segments given by middles and vectors, by Gauss's rule with three points.
+
+    A strip is as wide as a good part of a disk. Sampled at one point, what a slipstream does to it would
+    jump as edges of disks pass that point: noise of two drag counts on 32 strips, which an optimiser exploits.
+    """
+    at = jnp.concatenate([middles + t * spans for t in GAUSS_POINTS])
+    each = slipstreams(rotors, plan, wake, at).reshape(len(GAUSS_POINTS), *middles.shape)
+    return jnp.tensordot(jnp.asarray(GAUSS_WEIGHTS), each, axes=1)
 
 
 def slipstreams(rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"]) -> Float[Array, "p 3"]:

@@ -10,6 +10,7 @@ from hera_om.physics.airfoil import camber_line
 
 QUARTER = 0.25  # the bound vortex lies at a quarter of its panel (Pistolesi), the condition at three quarters
 CAMBER, FLAT = "camber", "flat"
+Numbers = Array | np.ndarray
 
 
 class Sections(NamedTuple):
@@ -25,12 +26,12 @@ class Sections(NamedTuple):
 class Grid(NamedTuple):
     """How a surface is cut into panels; constant while its sections move."""
 
-    weights: Float[Array, "ns1 k"]  # linear interpolation from the sections to the spanwise edges
-    middle: Float[Array, " ns"]  # where in its strip the condition stands, 0 inboard to 1 outboard
-    xi: Float[Array, " nc1"]  # chord fractions of the chordwise edges
-    camber: Float[Array, "k nc1"]  # camber height over chord at xi
-    slope: Float[Array, "k nc"]  # camber slope at the collocation points
-    hinge_share: Float[Array, "nc ns"]  # part of each panel behind the hinge line, times the control's gain
+    weights: Float[Numbers, "ns1 k"]  # linear interpolation from the sections to the spanwise edges
+    middle: Float[Numbers, " ns"]  # where in its strip the condition stands, 0 inboard to 1 outboard
+    xi: Float[Numbers, " nc1"]  # chord fractions of the chordwise edges
+    camber: Float[Numbers, "k nc1"]  # camber height over chord at xi
+    slope: Float[Numbers, "k nc"]  # camber slope at the collocation points
+    hinge_share: Float[Numbers, "nc ns"]  # part of each panel behind the hinge line, times the control's gain
 
 
 class Panels(NamedTuple):
@@ -38,6 +39,7 @@ class Panels(NamedTuple):
 
     rings: Float[Array, "nc1 ns1 3"]  # ring nodes: bound lines, then the trailing edge
     collocation: Float[Array, "nc ns 3"]
+    across: Float[Array, "2 nc ns 3"]  # at each collocation point: middle of the strip, its width as a vector
     normal: Float[Array, "nc ns 3"]
     normal_hinge: Float[Array, "nc ns 3"]  # derivative of the normal by the control angle, per rad
     strip_edges: Float[Array, "ns1 3"]  # quarter-chord points of the strip edges
@@ -54,11 +56,12 @@ def spacing(name: str, n: int) -> np.ndarray:
 
 
 def span_weights(y, n: int, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolation weights ``[n + 1, k]`` of spanwise edges that always contain the k sections, and the middles.
+    """Interpolation weights ``[n + 1, k]`` of spanwise edges that contain the k sections, and the middles.
 
-    The strips are shared among the segments by their part of the spacing law, at least one each. The condition of
-    a strip stands at the middle of its interval of the law's parameter, not of its width: with a law that follows
-    the tip's square root, the induced drag of an elliptic load is then exact on any number of strips (as in AVL).
+    The strips are shared among the segments by their part of the spacing law, at least one each. The
+    condition of a strip stands at the middle of its interval of the law's parameter, not of its width: with a
+    law that follows the tip's square root, the induced drag of an elliptic load is then exact on any number
+    of strips (as in AVL).
     """
     y = np.asarray(y, float)
     k = len(y)
@@ -96,8 +99,10 @@ def make_grid(y, airfoils, *, nc: int, ns: int, span: str, chord: str) -> Grid:
     Args:
         y: spanwise positions of the k sections, m (only their ratios matter).
         airfoils: k airfoil names.
-        nc, ns: panels along chord and span.
-        span, chord: names of spacing laws.
+        nc: panels along the chord.
+        ns: panels along the span.
+        span: name of the spacing law along the span.
+        chord: the same along the chord.
 
     Returns:
         Grid of numpy arrays, without controls.
@@ -131,7 +136,7 @@ def surface_mesh(sections: Sections, grid: Grid, shape: str = CAMBER) -> Float[A
     """Corner points of the panels.
 
     ``camber``: the points lie on the twisted camber surface, each section turned about its quarter chord.
-    ``flat``: they lie on the untwisted chord surface, as in AVL, where camber and twist enter through normals.
+    ``flat``: they lie on the untwisted chord surface, as in AVL, where camber and twist turn the normals.
     """
     x_le, y, z, chord, twist = (grid.weights @ s for s in sections)
     ahead = (grid.xi[:, None] - QUARTER) * chord
@@ -156,20 +161,31 @@ def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
     rings = jnp.concatenate([mesh[:-1] + QUARTER * along, mesh[-1:]])
     rear = mesh[:-1] + (1 - QUARTER) * along
     collocation = between(rear[:, :-1], rear[:, 1:], grid.middle)
+    spans = jnp.stack([(rear[:, :-1] + rear[:, 1:]) / 2, rear[:, 1:] - rear[:, :-1]])
     across = _strip_directions(rings)
     lines = jnp.broadcast_to(across, collocation.shape) if shape == FLAT else rear[:, 1:] - rear[:, :-1]
     normal = _normals(sections, grid, across, lines)
-    hinge = grid.hinge_share[..., None] * jnp.cross(jnp.broadcast_to(across, normal.shape), normal)
+    middle = jnp.asarray(grid.middle)
+    hinge = jnp.asarray(grid.hinge_share)[..., None] * jnp.cross(jnp.broadcast_to(across, normal.shape), normal)
     x_le, y, z, chord, _ = (grid.weights @ s for s in sections)
     edges = jnp.stack([x_le + QUARTER * chord, y, z], axis=-1)
     width = jnp.sqrt(jnp.sum((edges[1:, 1:] - edges[:-1, 1:]) ** 2, axis=-1))
-    return Panels(rings, collocation, normal, hinge, edges, grid.middle, between(chord[:-1], chord[1:], grid.middle), width)
+    return Panels(
+        rings,
+        collocation,
+        spans,
+        normal,
+        hinge,
+        edges,
+        middle,
+        between(chord[:-1], chord[1:], middle),
+        width,
+    )
 
 
 def between(left, right, share):
     """Points between the edges of the strips, at ``share`` of the way."""
     return left + (right - left) * share[:, None] if left.ndim > 1 else left + (right - left) * share
-
 
 
 def _strip_directions(rings):

@@ -1,12 +1,12 @@
 """Steady vortex-ring lattice of any number of surfaces in symmetric flow (half model).
 
 The wake runs along x, so that the matrix depends on geometry and Mach number alone: one factorisation serves
-every incidence, rate, control angle and slipstream, all derivatives by them, and the adjoint. Equations:
-Katz & Plotkin, Low-Speed Aerodynamics 2e, chapter 12; compressibility: Prandtl-Glauert as in AVL, the physical
+every incidence, rate, control angle and slipstream, all derivatives by them, and the adjoint. Equations: Katz
+& Plotkin, Low-Speed Aerodynamics 2e, chapter 12; compressibility: Prandtl-Glauert as in AVL, the physical
 boundary condition with the velocities of the stretched problem (see `vortex_kernel`).
 
-Unknowns are ring circulations over the flight speed, in m. Valid for attached flow, small incidence and subcritical
-Mach numbers (below about 0.7), away from the cores of other surfaces' wakes.
+Unknowns are ring circulations over the flight speed, in m. Valid for attached flow, small incidence and
+subcritical Mach numbers (below about 0.7), away from the cores of other surfaces' wakes.
 """
 
 from typing import NamedTuple
@@ -23,12 +23,14 @@ MIRROR = (1.0, -1.0, 1.0)
 
 
 class Lattice(NamedTuple):
-    """Assembled lattice of n panels, e loaded filaments, s strips and t trailing nodes, all surfaces in one row."""
+    """Assembled lattice of n panels, e loaded filaments, s strips, t trailing nodes of all surfaces."""
 
     collocation: Float[Array, "n 3"]
+    across: Float[Array, "2 n 3"]  # at each collocation point: middle of the strip, its width as a vector
     normal: Float[Array, "n 3"]
     normal_hinge: Float[Array, "n 3"]
     points: Float[Array, "e 3"]  # points of attack of the filaments, in the order of `layout.Layout`
+    middles: Float[Array, "e 3"]  # their middles
     arms: Float[Array, "e 3"]  # vectors of the filaments, m
     strip_point: Float[Array, "s 3"]  # quarter-chord points of the strips
     strip_edge: Float[Array, "s 3"]  # vectors along their quarter-chord lines
@@ -48,7 +50,7 @@ def prandtl_glauert(mach):
 
 def shapes(surfaces: list[Panels]) -> list[tuple[int, int]]:
     """Chordwise and spanwise panels of each surface."""
-    return [s.collocation.shape[:2] for s in surfaces]
+    return [(s.collocation.shape[0], s.collocation.shape[1]) for s in surfaces]
 
 
 def assemble(surfaces: list[Panels], mach, elsewhere: Float[Array, "p 3"] | None = None) -> tuple[Lattice, Array]:
@@ -63,8 +65,7 @@ def assemble(surfaces: list[Panels], mach, elsewhere: Float[Array, "p 3"] | None
         Lattice, and the velocity at the further points per unit unknown [p, 3, n].
     """
     collocation, normal = _stack(surfaces, "collocation"), _stack(surfaces, "normal")
-    attack, vectors = zip(*(_filament_vectors(s) for s in surfaces), strict=True)
-    points, lines = jnp.concatenate(attack), jnp.concatenate(vectors)
+    points, middles, lines = (jnp.concatenate(v) for v in zip(*map(_filaments, surfaces), strict=True))
     extra = jnp.zeros((0, 3)) if elsewhere is None else elsewhere
     n, e = collocation.shape[0], points.shape[0]
     everywhere = velocity_influence(jnp.concatenate([collocation, points, extra]), surfaces, prandtl_glauert(mach))
@@ -73,9 +74,11 @@ def assemble(surfaces: list[Panels], mach, elsewhere: Float[Array, "p 3"] | None
     trail = [s.rings[-1, :, 1:] for s in surfaces]
     lattice = Lattice(
         collocation,
+        jnp.concatenate([s.across.reshape(2, -1, 3) for s in surfaces], axis=1),
         normal,
         _stack(surfaces, "normal_hinge"),
         points,
+        middles,
         lines,
         jnp.concatenate([between(q[:-1], q[1:], s.middle) for q, s in zip(edges, surfaces, strict=True)]),
         jnp.concatenate([q[1:] - q[:-1] for q in edges]),
@@ -102,7 +105,7 @@ def solve(lattice: Lattice, rhs: Float[Array, "n *m"]) -> Float[Array, "n *m"]:
 def velocity_influence(points, surfaces: list[Panels], beta) -> Float[Array, "p 3 n"]:
     """Velocity vectors at ``points`` per unit ring circulation, both halves.
 
-    The image of a half is the mirrored velocity at the mirrored point, so both come from one call of the kernel.
+    The image of a half is the mirrored velocity at the mirrored point, so one call of the kernel gives both.
     """
     count, mirror = points.shape[0], jnp.asarray(MIRROR)
     p = jnp.concatenate([points, points * mirror]) * _stretch(beta)
@@ -122,7 +125,7 @@ def _stack(surfaces, name):
     return jnp.concatenate([getattr(s, name).reshape(-1, 3) for s in surfaces])
 
 
-def _project(weights, p, surface, beta) -> tuple[Array, Array, Array]:
+def _project(weights, p, surface, beta) -> tuple[Array, ...]:
     """Kernel times arm for the three families of filaments of one surface, directions first."""
     rings = surface.rings * _stretch(beta)
     k: Filaments = kernels(p, rings)
@@ -131,16 +134,18 @@ def _project(weights, p, surface, beta) -> tuple[Array, Array, Array]:
 
 
 def _rings(bound, chordwise, wake):
-    """Filaments to rings: front minus rear bound line, right minus left chordwise line, wake on the last row."""
+    """Filaments to rings: front minus rear bound line, right minus left chordwise line, wake last."""
     rear = jnp.pad(bound[..., 1:, :], ((0, 0), (0, 0), (0, 1), (0, 0)))
     ring = bound - rear + chordwise[..., 1:] - chordwise[..., :-1]
     ring = ring.at[..., -1, :].add(wake[..., 1:] - wake[..., :-1])
     return ring.reshape(*ring.shape[:2], -1)
 
 
-def _filament_vectors(surface: Panels):
-    """Points of attack and vectors of the bound filaments, then of the chordwise ones."""
+def _filaments(surface: Panels):
+    """Points of attack, middles and vectors of the bound filaments, then of the chordwise ones."""
     rings = surface.rings
     left, right, front, back = rings[:-1, :-1], rings[:-1, 1:], rings[:-1], rings[1:]
-    points = [between(left, right, surface.middle), (front + back) / 2]
-    return tuple(jnp.concatenate([p.reshape(-1, 3) for p in pair]) for pair in (points, [right - left, back - front]))
+    along = (front + back) / 2
+    points = [between(left, right, surface.middle), along]
+    pairs = (points, [(left + right) / 2, along], [right - left, back - front])
+    return tuple(jnp.concatenate([p.reshape(-1, 3) for p in pair]) for pair in pairs)

@@ -24,7 +24,7 @@ def filament_strengths(plan: Layout, gamma: Float[Array, " n"]) -> Float[Array, 
 
 
 def filament_forces(lattice: Lattice, plan: Layout, gamma, onset: Float[Array, "e 3"]) -> Float[Array, "e 3"]:
-    """Force over dynamic pressure (m^2) on every loaded filament: dF = 2 Gamma V x l, V over the flight speed.
+    """Force over dynamic pressure (m^2) on every loaded filament: dF = 2 Gamma V x l, V over flight speed.
 
     Kutta-Joukowski with the full local velocity (Katz & Plotkin, eq. 12.25); ``onset`` is everything but the
     lattice's own induction: free stream, rotation, slipstream.
@@ -64,8 +64,8 @@ def half_resultant(loads: StripLoads, reference: Float[Array, " 3"]) -> tuple[Ar
 def trefftz(lattice: Lattice, plan: Layout, gamma) -> tuple[Array, Array]:
     """Lift and induced drag over dynamic pressure (m^2, both halves) from the wake far downstream.
 
-    D = -rho / 2 * sum of Gamma w_n ds over the wake trace (Katz & Plotkin, eq. 8.146), w from the two-dimensional
-    trailing vortices of all surfaces and their images.
+    D = -rho / 2 * sum of Gamma w_n ds over the wake trace (Katz & Plotkin, eq. 8.146), w from the
+    two-dimensional trailing vortices of all surfaces and their images.
     """
     strength = gamma[plan.last]
     padded = jnp.append(strength, 0.0)

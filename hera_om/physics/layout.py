@@ -25,7 +25,7 @@ class Layout(NamedTuple):
 
 
 def layout(shapes: list[tuple[int, int]]) -> Layout:
-    """Index arrays of surfaces with (nc, ns) panels each, starboard halves with their root on the symmetry plane."""
+    """Index arrays of surfaces with (nc, ns) panels each, roots on the symmetry plane."""
     n, total_strips = sum(a * b for a, b in shapes), sum(b for _, b in shapes)
     parts: dict[str, list[np.ndarray]] = {f: [] for f in Layout._fields[2:]}
     panel = strip = node = 0

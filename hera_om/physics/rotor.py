@@ -278,8 +278,8 @@ def _bracketed_root(f: Callable[[Array], Array], centre: Field, reach: float) ->
 def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field | None) -> Field:
     """Inflow angle of every element, exact to second derivatives.
 
-    The root is found without derivatives, unless it is ``known``. Each of two Newton steps with the slope frozen there then adds
-    one exact order of the dependence on the parameters.
+    The root is found without derivatives, unless it is ``known``. Each of two Newton steps with the slope frozen
+    there then adds one exact order of the dependence on the parameters.
     """
     frozen = lax.stop_gradient(elements)
 
@@ -407,12 +407,12 @@ def solve_rotor(
         sense: +1 or -1, see ``sense_sign``.
         tip_loss: Prandtl's factor at the tip on or off (static).
         hub_loss: the same at the hub.
+        phi: inflow angles of a solution at these very values (``RotorSolution.phi``), or None to search for them.
 
     Returns:
         RotorSolution. The mean induced velocities are F u and F v: what the whole annulus gets.
 
-    Validity: independent annuli and quasi-steady sections, so incidence of the shaft up to about 20
-        degrees; a
+    Validity: independent annuli and quasi-steady sections, so incidence of the shaft up to about 20 degrees; a
     propeller or windmill below the drag rise of its sections. A stopped rotor in still air gives zeros.
 
     Raises:

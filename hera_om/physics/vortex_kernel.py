@@ -18,7 +18,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 FOUR_PI = 4 * jnp.pi
-# A point closer to the line of a filament than this angle (squared, rad^2) lies on the filament: no self velocity.
+# A point closer to the line of a filament than this angle (squared, rad^2) is on it: no self velocity.
 ON_FILAMENT = 1e-8
 # Core of the wake filaments (m): keeps a point that a filament passes through finite.
 WAKE_CORE = 1e-4
@@ -47,7 +47,13 @@ def kernels(points: Float[Array, "p 3"], rings: Float[Array, "nc1 ns1 3"]) -> Fi
     shape = (points.shape[0], *rings.shape[:2])
     r2 = square.reshape(shape)
     r = jnp.sqrt(r2)
-    bound = _segment(r[:, :-1, :-1], r[:, :-1, 1:], r2[:, :-1, :-1], r2[:, :-1, 1:], _lengths(rings[:-1, :-1], rings[:-1, 1:]))
+    bound = _segment(
+        r[:, :-1, :-1],
+        r[:, :-1, 1:],
+        r2[:, :-1, :-1],
+        r2[:, :-1, 1:],
+        _lengths(rings[:-1, :-1], rings[:-1, 1:]),
+    )
     chordwise = _segment(r[:, :-1], r[:, 1:], r2[:, :-1], r2[:, 1:], _lengths(rings[:-1], rings[1:]))
     return Filaments(bound, chordwise, _half_line(points, rings[-1], r[:, -1]))
 

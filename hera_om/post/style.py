@@ -1,5 +1,6 @@
 """What all figures share: colours, sizes, labels that keep clear of each other, and units fit to be read."""
 
+import io
 from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, TypeVar
@@ -59,9 +60,18 @@ def styled(function: _Function) -> _Function:
     return draw  # type: ignore[return-value]
 
 
+class Picture(Figure):
+    """A figure that a notebook shows although pyplot, which would arrange for that, is not in use."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=120)
+        return buffer.getvalue()
+
+
 def new_figure(height: float) -> Figure:
     """An empty figure that belongs to no window and to no global list."""
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Picture(figsize=(WIDTH, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -9,7 +9,7 @@ import openmdao.api as om
 
 from hera_om.aircraft import Aircraft, definition_hash, variable_box
 from hera_om.core.errors import AnalysisFailure
-from hera_om.models.cases import MDO_GOAL, Goal, Limit, mdo_limits
+from hera_om.models.cases import GOALS, MDO_GOAL, Goal, Limit, mdo_limits
 from hera_om.models.problems import DRIVERS, build_mdo, set_start
 from hera_om.models.trimmed import has_box
 from hera_om.studies.aero_source import aero_of
@@ -32,21 +32,23 @@ def mdo(
     database: str | Path = "mdo.db",
     start: str = "baseline",
     max_iterations: int | None = None,
+    objective: str = MDO_GOAL.name,
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Build the problem of Table 7 and `run` it."""
+    """Build the problem of Table 7, by default with its objective, and `run` it."""
     source = aero_of(aero, aircraft)
     try:
-        problem = build_mdo(aircraft, driver=driver, aero=source, max_iterations=max_iterations)
+        problem = build_mdo(
+            aircraft, driver=driver, aero=source, max_iterations=max_iterations, objective=objective
+        )
     except om.AnalysisError as error:
         raise AnalysisFailure(str(error), where="baseline") from error
     options = {"driver": driver, "aero": str(aero), "start": start, **DRIVERS[driver]}
-    return run(problem, aircraft, database=database, start=start, options=options, progress=progress)
+    return run(problem, database=database, start=start, options=options, progress=progress)
 
 
 def run(
     problem: om.Problem,
-    aircraft: Aircraft,
     *,
     database: str | Path,
     start: str = "baseline",
@@ -55,13 +57,12 @@ def run(
 ) -> dict[str, Any]:
     """Run a problem of `models.build_mdo`, recording everything.
 
-    A SciPy driver does not survive an analysis that fails. When one does, the driver starts again from the best
-    design so far, with bounds drawn halfway in towards it, `ATTEMPTS` times in all; what was finished stays
+    A SciPy driver does not survive an analysis that fails. When one does, the driver starts again from the
+    best design so far, with bounds drawn halfway in towards it, `ATTEMPTS` times in all; what was finished stays
     recorded.
 
     Args:
         problem: the problem, set up.
-        aircraft: its definition.
         database: file of the record.
         start: where the driver starts, one of `models.cases.STARTS`.
         options: noted in the record.
@@ -74,14 +75,16 @@ def run(
     Raises:
         AnalysisFailure: the baseline cannot be analysed, or all attempts ended in failures.
     """
-    limits, goal = mdo_limits(has_box(aircraft)), MDO_GOAL
+    problem.final_setup()
+    aircraft: Aircraft = problem.model.options["aircraft"]
+    limits, goal = mdo_limits(has_box(aircraft)), GOALS[next(iter(problem.model.get_objectives()))]
     rows = [
         {"name": x.name, "units": known_units(x.name), "lower": x.lower, "upper": x.upper, "reason": x.reason}
         for x in limits
     ]
-    objective = {"name": goal.name, "units": known_units(goal.name), "sense": goal.sense}
+    head = {"name": goal.name, "units": known_units(goal.name), "sense": goal.sense}
     with Record(
-        database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=objective
+        database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=head
     ) as record:
         best = _Best(aircraft, limits, goal)
         record.attach(problem, progress=_ticker(problem, best, progress))
@@ -139,13 +142,18 @@ class _Best:
         if self.rank is None or rank > self.rank:
             self.rank = rank
             self.values = [number(problem, n, u) for n, u in zip(self.box.names, self.box.units, strict=True)]
-            self.states = problem.model._outputs.asarray(copy=True)
+            self.states = _outputs(problem).asarray(copy=True)
 
     def go(self, problem: om.Problem) -> None:
         """Put a problem there, its states too: those of a failed solve may be no start for the next one."""
-        problem.model._outputs.set_val(self.states)
+        _outputs(problem).set_val(self.states)
         for n, u, v in zip(self.box.names, self.box.units, self.values, strict=True):
             problem.set_val(n, v, units=u)
+
+
+def _outputs(problem: om.Problem) -> Any:
+    """Vector of all outputs of a problem, its variables among them."""
+    return problem.model._outputs
 
 
 def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best) -> dict[str, Any]:

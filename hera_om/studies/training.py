@@ -11,7 +11,7 @@ import openmdao.api as om
 from hera_om.aircraft import Aircraft, definition_hash, variable_box
 from hera_om.components.aero import Aerodynamics
 from hera_om.components.mass import MassProperties
-from hera_om.components.surrogate import interface, sampled_inputs
+from hera_om.components.surrogate import DERIVED, interface, sampled_inputs
 from hera_om.core.errors import AnalysisFailure
 from hera_om.surrogates import latin_hypercube, save
 from hera_om.surrogates import train as fit
@@ -128,7 +128,7 @@ def _analyse(aircraft: Aircraft, inputs: list[str], x: np.ndarray, progress: Pro
     problem.model.add_subsystem("aero", aero, promotes=["*"])
     problem.setup()
     problem.final_setup()
-    names = sorted(aero._var_rel_names["output"])
+    names = sorted(set(aero._var_rel_names["output"]) - set(DERIVED))
     width = sum(problem.get_val(n).size for n in names)
     y, kept, begun = np.full((len(x), width), np.nan), np.zeros(len(x), bool), perf_counter()
     for i, row in enumerate(x):

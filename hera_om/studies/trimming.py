@@ -10,12 +10,12 @@ import openmdao.api as om
 from hera_om.aircraft import Aircraft, definition_hash
 from hera_om.components.mass import MassProperties
 from hera_om.components.stability import Stability
-from hera_om.components.trim import state_bounds
+from hera_om.components.trim import narrowed, state_bounds
 from hera_om.core.errors import AnalysisFailure
 from hera_om.models.cases import TRIM_BALANCE, TRIM_GOAL, table_4
 from hera_om.models.problems import build_trim
 from hera_om.models.trim_solver import saturated
-from hera_om.models.trimmed import TrimPoint
+from hera_om.models.trimmed import TrimPoint, known_box
 from hera_om.studies.aero_source import aero_of
 from hera_om.studies.record import Record
 from hera_om.studies.snapshot import snapshot
@@ -103,7 +103,7 @@ def _solve(aircraft: Aircraft, source, load_factor: float, record, progress):
         trimmed = False
         if not saturated(point.balance):
             raise AnalysisFailure(str(error), where="trim") from error
-    bounds = state_bounds(aircraft, bool(aircraft.rotor))
+    bounds = narrowed(state_bounds(aircraft, bool(aircraft.rotor)), known_box(source))
     left = {n: float(v[0]) for n, v in _residuals(point.balance).items()}
     result = _result(problem, trimmed, saturated(point.balance), bounds, left)
     if not trimmed:  # what follows the trim has not run
@@ -130,7 +130,7 @@ def _optimise(aircraft: Aircraft, source, load_factor: float, record, progress):
         raise AnalysisFailure(str(error), where="trim") from error
     values, _ = collect(problem)
     left = {n: v for n, v in values.items() if n.startswith("balance_")}
-    bounds = table_4(aircraft)
+    bounds = narrowed(table_4(aircraft), known_box(source))
     stuck = [n for n, (low, high) in bounds.items() if min(values[n] - low, high - values[n]) < 1e-6]
     closed = all(abs(v) < TRIM_BALANCE for v in left.values())
     if progress is not None:

@@ -169,6 +169,10 @@ def test_fuselage_sketch_has_its_width_and_ends_in_points():
     assert half[0] == half[-1] == 0.0 and half.max() == pytest.approx(body.width_m / 2)
 
 
+def test_a_notebook_shows_a_figure(database):
+    assert post.plot_drag(database)._repr_png_().startswith(b"\x89PNG")
+
+
 def test_matplotlib_is_left_as_it_was(database):
     before = dict(matplotlib.rcParams)
     post.plot_drag(database)

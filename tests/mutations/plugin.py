@@ -1,0 +1,176 @@
+"""Pytest plugin that switches one effect of the physics off before a test is imported.
+
+The environment variable HERA_OM_MUTATION names the row of `MUTATIONS`. `test_mutations.py` runs a validation
+test in a process of its own with this plugin and expects it to fail.
+"""
+
+import importlib
+import os
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+
+class Mutation(NamedTuple):
+    """What is switched off, where, and the validation test that must notice."""
+
+    effect: str
+    places: tuple[str, ...]  # "module:attribute", below hera_om.physics
+    change: object  # the new value, or a function of the old one when ``wrap``
+    test: str
+    wrap: bool = False
+
+
+def _no_inertia(mass, load_factor):
+    return jnp.zeros((mass.shape[0], 3))
+
+
+def _half_load_factor(old):
+    def case_loads(*args, load_factor, **rest):
+        return old(*args, load_factor=0.5 * load_factor, **rest)
+
+    return case_loads
+
+
+def _without_alphadot(old):
+    def matrix(derivatives, *args, **kwargs):
+        still = dict(CX_alphadot=0.0, CZ_alphadot=0.0, Cm_alphadot=0.0)
+        return old(derivatives._replace(**still), *args, **kwargs)
+
+    return matrix
+
+
+def _frozen(old):
+    def mean_slipstreams(rotors, plan, wake, *points):
+        return old(rotors, plan, lax.stop_gradient(wake), *points)
+
+    return mean_slipstreams
+
+
+def _mirrored_swirl(old):
+    def mean_slipstreams(rotors, plan, wake, *points):
+        return old(rotors, plan, wake._replace(swirl=-wake.swirl), *points)
+
+    return mean_slipstreams
+
+
+def _no_loss(old):
+    def loss(phi, *args):
+        return jnp.ones_like(old(phi, *args))
+
+    return loss
+
+
+def _nothing(old):
+    return lambda *args: jax.tree.map(jnp.zeros_like, old(*args))
+
+
+PHYSICS = "tests/physics/"
+BLOWN = f"{PHYSICS}test_aerodynamics.py::"
+SLIPSTREAMS = ("coupling:mean_slipstreams", "aerodynamics:mean_slipstreams")
+MUTATIONS = {
+    "slipstream_off": Mutation(
+        "slipstream on the surfaces",
+        ("coupling:SLIPSTREAM", "aerodynamics:SLIPSTREAM"),
+        0.0,
+        BLOWN + "test_the_slipstream_raises_the_lift_slope_where_the_wing_is_immersed",
+    ),
+    "swirl_flipped": Mutation(
+        "sign of the swirl",
+        SLIPSTREAMS,
+        _mirrored_swirl,
+        BLOWN + "test_the_sense_of_rotation_decides_which_side_of_the_hub_is_lifted",
+        True,
+    ),
+    "senses_swapped": Mutation(
+        "names of the senses of rotation",
+        ("rotor:SENSES",),
+        {"inboard-up": 1.0, "outboard-up": -1.0},
+        BLOWN + "test_the_sense_of_rotation_decides_which_side_of_the_hub_is_lifted",
+    ),
+    "slipstream_frozen": Mutation(
+        "response of the slipstream in the derivatives",
+        SLIPSTREAMS,
+        _frozen,
+        BLOWN + "test_power_on_derivatives_hold_the_response_of_the_slipstream",
+        True,
+    ),
+    "upwash_off": Mutation(
+        "upwash of the surfaces at the disks",
+        ("coupling:UPWASH",),
+        0.0,
+        PHYSICS + "test_disks_coupling.py::test_upwash_of_the_wing_loads_the_disk",
+    ),
+    "prandtl_glauert_off": Mutation(
+        "compressibility",
+        ("lattice:prandtl_glauert",),
+        jnp.ones_like,
+        PHYSICS + "test_lattice.py::test_compressible_slope",
+    ),
+    "prandtl_glauert_off_avl": Mutation(
+        "compressibility, against AVL",
+        ("lattice:prandtl_glauert",),
+        jnp.ones_like,
+        BLOWN + "test_avl_wing_and_tail[base_m04]",
+    ),
+    "alphadot_zero": Mutation(
+        "lag of the downwash at the tail",
+        ("aerodynamics:DOWNWASH_LAG",),
+        0.0,
+        BLOWN + "test_alphadot_by_the_classical_lag_of_downwash",
+    ),
+    "modes_without_alphadot": Mutation(
+        "alpha-dot terms in the equations of motion",
+        ("flight_dynamics:longitudinal_state_matrix",),
+        _without_alphadot,
+        PHYSICS + "test_flight_dynamics.py::test_boeing_modes_from_its_derivatives",
+        True,
+    ),
+    "tip_loss_off": Mutation(
+        "losses at tip and hub of the blade",
+        ("rotor:_loss",),
+        _no_loss,
+        PHYSICS + "test_rotor.py::test_ccblade_propeller",
+        True,
+    ),
+    "relief_off": Mutation(
+        "inertia relief",
+        ("beam_loads:inertia_forces",),
+        _no_inertia,
+        PHYSICS + "test_beam_loads.py::test_masses_relieve_and_an_engine_farther_out_relieves_more",
+    ),
+    "load_factor_halved": Mutation(
+        "load factor of a load case",
+        ("beam_loads:case_loads",),
+        _half_load_factor,
+        PHYSICS + "test_beam_loads.py::test_masses_relieve_and_an_engine_farther_out_relieves_more",
+        True,
+    ),
+    "buckling_off": Mutation(
+        "buckling of the covers",
+        ("wingbox_criteria:cover_buckling_use",),
+        _nothing,
+        PHYSICS + "test_wingbox.py::test_torsion_alone_sizes_as_shear_buckling_by_hand",
+        True,
+    ),
+}
+
+
+def apply(name: str) -> None:
+    """Change the attributes of the modules; those that test modules import by name must not have been
+    imported.
+    """
+    mutation = MUTATIONS[name]
+    for place in mutation.places:
+        module_name, attribute = place.split(":")
+        module = importlib.import_module(f"hera_om.physics.{module_name}")
+        old = getattr(module, attribute)
+        setattr(module, attribute, mutation.change(old) if mutation.wrap else mutation.change)
+
+
+def pytest_sessionstart(session):
+    """Pytest's hook: after jaxtyping watches the imports, before any test module is imported."""
+    if name := os.environ.get("HERA_OM_MUTATION"):
+        apply(name)

@@ -1,0 +1,198 @@
+"""Rotors in the flow of the surfaces and back: axes, mirror images, equilibrium, derivatives through it."""
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from hera_om.physics import coupling
+from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors, StripPolar, Surface
+from hera_om.physics.coupling import (
+    Controls,
+    Setting,
+    carry_derivatives,
+    find_root,
+    join_factors,
+    make_system,
+    onset,
+    respond,
+    split_factors,
+    unknowns,
+)
+from hera_om.physics.disks import Wake, blades, disk_points, rotor_loads, shaft_axes, slipstreams
+from hera_om.physics.geometry import Sections, make_grid
+from hera_om.physics.rotor import sense_sign
+from hera_om.physics.section_polar import SectionPolar
+
+PLAN = RotorPlan(groups=(0,), sides=2, radial=4, azimuthal=4, tip_loss=True, hub_loss=True)
+SINGLE = PLAN._replace(sides=1)
+TABLE = ([0.2, 0.5, 1.0], [0.13, 0.15, 0.06], np.radians([28.0, 11.0, -8.0]))
+PITCH = np.radians(34.0)
+
+
+def rotor(y=3.0, incidence=0.1):
+    one = jnp.ones(1)
+    polar = SectionPolar(*[v * one for v in (6.0, -0.05, 0.008, 0.3, 0.010, 1.4, 1.0)])
+    tables = [jnp.asarray(v)[None] for v in TABLE]
+    sense = sense_sign("inboard-up", 1.0) * one
+    hub = jnp.array([[-1.6, y, 0.2]])
+    return Rotors(hub, incidence * one, 1.5 * one, 0.3 * one, *tables, polar, 6.0 * one, 130.0 * one, sense)
+
+
+def flow():
+    values = [jnp.asarray(v, float) for v in (90.0, 1.0, 330.0, 1.7e-5, 0.27)]
+    return Flow(*values, jnp.array([0.5, 0.0, 0.1]))
+
+
+def surfaces():
+    wing = Sections(*[jnp.asarray(v) for v in ([0.0, 0.3], [0.0, 8.0], [0.0, 0.2], [2.4, 2.0], [0.0, 0.0])])
+    grid = make_grid([0.0, 8.0], ["NACA 2412"] * 2, nc=1, ns=6, span="uniform", chord="uniform")
+    return [Surface(wing, grid, StripPolar(0.006, 0.2, 0.006, 1e7, 1.6))]
+
+
+def state(alpha=0.06, q_hat=0.0, pitch=PITCH):
+    return Controls(jnp.asarray(alpha), jnp.asarray(q_hat), jnp.asarray(0.0), jnp.asarray([pitch]))
+
+
+@jax.jit
+def setting():
+    return Setting(make_system(surfaces(), rotor(), PLAN, flow().mach), rotor(), flow(), 2.2)
+
+
+@jax.jit
+def root_at(x, at):
+    return find_root(x, at, PLAN)
+
+
+@jax.jit
+def answer_at(flat, x, at, phi):
+    return respond(flat, x, at, PLAN, phi)
+
+
+@pytest.fixture(scope="module")
+def at():
+    return setting()
+
+
+@pytest.fixture(scope="module")
+def root(at):
+    return root_at(state(), at)
+
+
+def test_a_tilted_shaft_lifts():
+    """Rows are unit vectors along the shaft, aft, starboard and up; incidence tilts the thrust up."""
+    axes = np.asarray(shaft_axes(jnp.array([0.3])))[0]
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) == pytest.approx(1.0)
+    assert (-axes[0])[2] == pytest.approx(np.sin(0.3))
+
+
+def test_points_of_the_disk_lie_in_its_plane_at_their_radii():
+    points = np.asarray(disk_points(rotor(), PLAN))[0] - np.array([-1.6, 3.0, 0.2])
+    np.testing.assert_allclose(points @ np.asarray(shaft_axes(jnp.array([0.1])))[0, 0], 0.0, atol=1e-14)
+    radii = np.asarray(blades(rotor(), PLAN).r)[0]
+    np.testing.assert_allclose(
+        np.linalg.norm(points, axis=-1), np.repeat(radii[:, None], 4, axis=1), rtol=1e-12
+    )
+
+
+def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
+    """A stream along the tilted shaft makes thrust and torque along it."""
+    axes = shaft_axes(jnp.array([0.1]))[0]
+    velocity = jnp.broadcast_to(90.0 * axes[0], (1, 4, 4, 3))
+    load = jax.jit(lambda v: rotor_loads(rotor(), PLAN, v, pitch=jnp.array([PITCH]), flow=flow()))(velocity)
+    np.testing.assert_allclose(load.force[0] / load.thrust[0], -axes[0], atol=1e-10)
+    np.testing.assert_allclose(
+        load.moment[0] / load.torque[0], axes[0], atol=1e-10
+    )  # inboard-up turns negatively
+
+
+def test_the_mirrored_rotor_blows_the_mirrored_way():
+    """With rotors on either side the field is a mirror image of itself and the sum of both."""
+    wake = Wake(jnp.full((1, 4), 0.1), jnp.full((1, 4), 0.05))
+    p = jnp.array([[0.5, 2.4, 0.3], [0.5, 3.5, 0.1], [2.0, 0.2, 0.0]])
+    mirror = jnp.array([1.0, -1.0, 1.0])
+    field = jax.jit(slipstreams, static_argnums=1)
+    both, other = field(rotor(), PLAN, wake, p), field(rotor(), PLAN, wake, p * mirror)
+    np.testing.assert_allclose(other, both * mirror, atol=1e-15)
+    alone, image = field(rotor(), SINGLE, wake, p), field(rotor(), SINGLE, wake, p * mirror) * mirror
+    np.testing.assert_allclose(both, alone + image, atol=1e-15)
+    # inboard-up: up inboard of the hub, down outboard
+    assert both[0, 2] > 0.01 and both[1, 2] < -0.01 and both[0, 0] > 0.05
+
+
+def test_onset_of_a_pitch_rate_by_hand():
+    """Nose up about the point: a tail 10 m behind it goes down, so its air goes up by 2 q_hat 10 / c."""
+    point = jnp.array([1.0, 0.0, 0.0])
+    air = onset(jnp.array([11.0, 2.0, 3.0]), state(alpha=0.1, q_hat=0.02), c=2.0, point=point)
+    np.testing.assert_allclose(air, [np.cos(0.1) - 0.06, 0.0, np.sin(0.1) + 0.2], rtol=1e-12)
+
+
+def test_equilibrium(at, root):
+    answer = answer_at(root.flat, state(), at, root.phi)
+    assert float(jnp.max(jnp.abs(answer.flat - root.flat))) < 1e-12
+    assert root.flat.shape == (unknowns(PLAN, at.system),) == (8,)
+    assert np.all(np.asarray(root.flat)[:4] > 0.01)
+
+
+def test_upwash_of_the_wing_loads_the_disk(at, root, monkeypatch):
+    """Ahead of a lifting wing the air rises, more than without: the side force of an inclined disk grows."""
+    with_it = answer_at(root.flat, state(), at, root.phi).loads
+    monkeypatch.setattr(coupling, "UPWASH", 0.0)
+    without = jax.jit(lambda f, x, a: respond(f, x, a, PLAN))(root.flat, state(), at).loads
+    up = np.asarray(shaft_axes(jnp.array([0.1])))[0, 2]
+    assert float(with_it.force[0] @ up) > float(without.force[0] @ up) + 100.0
+
+
+def test_the_slipstream_of_the_root_blows_the_wing(at, root):
+    """Circulation of the strips abreast of the disk against that without any wake."""
+    blown = answer_at(root.flat, state(), at, root.phi).gamma
+    plain = answer_at(jnp.zeros(8), state(), at, root.phi).gamma
+    gain = np.asarray(blown / plain)
+    assert gain[1] > 1.1 and gain[5] < 1.05  # strips of 1.33 m, the hub at 3 m; the sixth is at 7.3 m
+
+
+def test_derivatives_are_carried_through_the_root(at, root):
+    """One Newton step: the root's value, and its derivatives by incidence, pitch and the stream's density."""
+
+    @jax.jit
+    def jacobian(x):
+        return jax.jacfwd(lambda f: respond(f, x, at, PLAN, root.phi).flat - f)(root.flat)
+
+    inverse = jnp.linalg.inv(jacobian(state()))
+
+    @partial(jax.jit, static_argnames="how")
+    def carried(v, how):
+        x = state(v[0], 0.0, v[1])
+        moved = at._replace(flow=at.flow._replace(density=v[2], speed=v[3]))
+        return carry_derivatives(root, inverse, x, moved, PLAN) if how else find_root(x, moved, PLAN).flat
+
+    base, size = np.array([0.06, PITCH, 1.0, 90.0]), np.array([1e-3, 1e-3, 1e-2, 0.1])
+    np.testing.assert_allclose(carried(base, True), root.flat, atol=1e-13)
+    found = np.asarray(jax.jit(jax.jacfwd(lambda v: carried(v, True)))(jnp.asarray(base)))
+    for i in range(4):
+        steps = [np.where(np.arange(4) == i, h * size, 0.0) for h in (2.0, 1.0)]
+        wide, narrow = ((carried(base + d, False) - carried(base - d, False)) / (2 * d[i]) for d in steps)
+        expected = np.asarray((4 * narrow - wide) / 3)
+        scale = max(np.max(np.abs(expected)) * size[i], 1e-4)
+        np.testing.assert_allclose(found[:, i] * size[i], expected * size[i], rtol=0, atol=1e-6 * scale)
+
+
+def test_factors_come_apart_and_together(at):
+    bare, factors = split_factors(at.system)
+    assert bare.lattice.lu == () and len(factors) == 2
+    again = join_factors(bare, factors)
+    assert all(a is b for a, b in zip(again.lattice.lu, at.system.lattice.lu, strict=True))
+    nothing = make_system([], None, None, 0.0)
+    assert split_factors(nothing) == (nothing, ()) and join_factors(nothing, ()) is nothing
+
+
+def test_a_rotor_alone_and_a_wing_alone_need_no_iteration(at):
+    alone = Setting(make_system([], rotor(), PLAN, 0.0), rotor(), flow(), 2.2)
+    found = jax.jit(lambda x: respond(jnp.zeros(0), x, alone, PLAN))(state())
+    assert unknowns(PLAN, alone.system) == 0 and unknowns(None, at.system) == 0
+    np.testing.assert_allclose(found.wake.axial, found.loads.v_axial / 90.0, rtol=1e-12)
+    root = find_root(state(), at, None)
+    assert root.flat.shape == (0,) and root.phi is None
