@@ -167,7 +167,7 @@ def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
     normal = _normals(sections, grid, across, lines)
     middle = jnp.asarray(grid.middle)
     hinge = jnp.asarray(grid.hinge_share)[..., None] * jnp.cross(jnp.broadcast_to(across, normal.shape), normal)
-    x_le, y, z, chord, _ = (grid.weights @ s for s in sections)
+    x_le, y, z, chord, _ = (jnp.asarray(grid.weights) @ s for s in sections)
     edges = jnp.stack([x_le + QUARTER * chord, y, z], axis=-1)
     width = jnp.sqrt(jnp.sum((edges[1:, 1:] - edges[:-1, 1:]) ** 2, axis=-1))
     return Panels(

@@ -115,9 +115,7 @@ def test_axes_turn_into_each_other_but_for_hub_loads(flown):
 def test_thrust_of_all_rotors(flown):
     _, problem, _ = flown
     one = {g: problem.get_val(f"thrust_{g}").item() for g in ("hybrid", "electric")}
-    assert problem.get_val("thrust").item() == pytest.approx(
-        2 * one["hybrid"] + 4 * one["electric"], rel=1e-12
-    )
+    assert problem.get_val("thrust").item() == pytest.approx(2 * one["hybrid"] + 4 * one["electric"], rel=1e-12)
     assert -2 * problem.get_val("rotor_force")[:, 0].sum() == pytest.approx(problem.get_val("thrust").item())
     for g in ("hybrid", "electric"):
         work = one[g] * problem.get_val("speed").item()
@@ -138,9 +136,7 @@ def test_rotor_alone_is_the_reference_propeller(reference, ready):
     """CCBlade's propeller of the ATR-like case at J = 1.4 (1200 rpm, 110.04 m/s), the wing taken off."""
     rows = (reference / "atr_like" / "bemt_propeller.csv").read_text().splitlines()
     table = [row.split(",") for row in rows if row and not row.startswith("#")]
-    wanted = next(
-        dict(zip(table[0], map(float, row), strict=True)) for row in table[1:] if float(row[0]) == 1.4
-    )
+    wanted = next(dict(zip(table[0], map(float, row), strict=True)) for row in table[1:] if float(row[0]) == 1.4)
     whole = load_aircraft("wing_rotor", {"lattice.rotor_radial": 40, "lattice.rotor_azimuthal": 4})
     alone = {"x_m": 0.0, "z_m": 0.0, "x_ahead_of_leading_edge_m": None, "z_offset_m": None}
     rotor = whole.rotor[0].model_copy(update=alone)

@@ -70,9 +70,7 @@ def test_a_glide_balances_lift_and_moment_only(small_aircraft):
     _, found = residuals(TrimBalance(aircraft=bare, powered=False), alpha=5.0, **point)
     assert set(found) == {"alpha", "delta_e"}
     np.testing.assert_allclose(list(found.values()), 0.0, atol=1e-15)
-    _, heavier = residuals(
-        TrimBalance(aircraft=bare, powered=False), alpha=5.0, **point | {"load_factor": 3.5}
-    )
+    _, heavier = residuals(TrimBalance(aircraft=bare, powered=False), alpha=5.0, **point | {"load_factor": 3.5})
     assert heavier["alpha"] == pytest.approx(-WEIGHT / FORCE, rel=1e-12)
 
 

@@ -17,9 +17,7 @@ def trimmed(aircraft, **options):
     problem = om.Problem(reports=False)
     problem.model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
     point = TrimPoint(aircraft=aircraft, **options)
-    problem.model.add_subsystem(
-        "cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"]
-    )
+    problem.model.add_subsystem("cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"])
     problem.setup()
     problem.set_solver_print(level=-1)
     problem.run_model()
@@ -89,9 +87,7 @@ def test_table_4_chooses_the_split(small, cruise):
 
 def test_a_saturated_elevator_is_named(small_aircraft):
     short = small_aircraft(htail__control__elevator__limit_deg=1.0)
-    with pytest.raises(
-        om.AnalysisError, match=r"cruise: no trim; saturated: delta_e at 1 deg; balances left"
-    ):
+    with pytest.raises(om.AnalysisError, match=r"cruise: no trim; saturated: delta_e at 1 deg; balances left"):
         trimmed(short)
 
 

@@ -53,9 +53,7 @@ def test_totals_of_the_problem(baseline, check_totals):
 def test_the_mass_loop_is_closed(baseline):
     baseline.set_val("A_cap_root", 2.2e-3)
     baseline.run_model()
-    assert baseline.get_val("m_wing_relief").item() == pytest.approx(
-        baseline.get_val("m_wing").item(), abs=1e-7
-    )
+    assert baseline.get_val("m_wing_relief").item() == pytest.approx(baseline.get_val("m_wing").item(), abs=1e-7)
     assert baseline.get_val("m_wing").item() < 3300.0 - 50.0
 
 
