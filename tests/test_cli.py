@@ -170,9 +170,7 @@ def test_check_for_people(run):
 
 
 def test_check_hash_changes_with_a_number(run):
-    hashes = {
-        strict(run("check", "hera_like", "--json", *more)[1])["hash"] for more in ([], ["--set", "alpha=1"])
-    }
+    hashes = {strict(run("check", "hera_like", "--json", *more)[1])["hash"] for more in ([], ["--set", "alpha=1"])}
     assert len(hashes) == 2
 
 
@@ -202,9 +200,7 @@ FILES = [
 
 
 @pytest.mark.parametrize("command", ["check", "mdo"])
-@pytest.mark.parametrize(
-    ("content", "key", "value", "expected"), [r[1:] for r in FILES], ids=[r[0] for r in FILES]
-)
+@pytest.mark.parametrize(("content", "key", "value", "expected"), [r[1:] for r in FILES], ids=[r[0] for r in FILES])
 def test_bad_file_is_reported(content, key, value, expected, command, run, studies, tmp_path):
     file = tmp_path / "bad.toml"
     file.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -580,13 +576,11 @@ def test_name_that_the_terminal_cannot_show(tmp_path):
     file.write_text(TEXT.replace('name = "hera_like"', 'name = "hélice"', 1), "utf-8")
     env = ENV | {"PYTHONIOENCODING": "ascii"}
     code = "import sys\nfrom hera_om.cli import main\nsys.exit(main())"
-    done = subprocess.run(
-        [sys.executable, "-c", code, "check", str(file)], env=env, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", code, "check", str(file)], env=env, capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.startswith("h\\xe9lice: valid")
 
 
 def test_grid_aligns_figures_to_the_right():
-    assert grid(
-        [("a", 1.0, "m"), ("bc", -12.5, None), ("d", None, "kg")], ("", "value", "unit"), indent=""
-    ) == ("    value  unit\na       1  m\nbc  -12.5  -\nd       -  kg")
+    assert grid([("a", 1.0, "m"), ("bc", -12.5, None), ("d", None, "kg")], ("", "value", "unit"), indent="") == (
+        "    value  unit\na       1  m\nbc  -12.5  -\nd       -  kg"
+    )

@@ -20,6 +20,4 @@ class DragArea(Part):
     name: str = item("name of the part", pattern=NAME)
     value_m2: float = number("drag area of all its pieces together", "m2", ge=0)
     y_m: float | None = number("where it stands on either side", "m", None, ge=0)
-    rotor: str | None = item(
-        "name of the [[rotor]] group that its pieces move with", None, pattern=IDENTIFIER
-    )
+    rotor: str | None = item("name of the [[rotor]] group that its pieces move with", None, pattern=IDENTIFIER)

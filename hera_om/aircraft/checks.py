@@ -49,9 +49,7 @@ def _corner_findings(aircraft: Aircraft) -> list[Finding]:
         values = present | {v.path: bound for v, bound in corner}
         for f in _number_findings(fill(aircraft, list(values.values()))):
             where = ", ".join(f"{v.name} = {bound:g}" for v, bound in corner)
-            at_corner = Finding(
-                f.key, f.value, f"{f.expected} (at the corner {where} of the variables)", f.rule
-            )
+            at_corner = Finding(f.key, f.value, f"{f.expected} (at the corner {where} of the variables)", f.rule)
             found.setdefault((f.key, f.rule), at_corner)
     return list(found.values())
 
@@ -64,9 +62,7 @@ def _range_findings(aircraft: Aircraft) -> Iterator[Finding]:
             continue
         for side, bound in (("lower", v.lower), ("upper", v.upper)):
             if not key.admits(bound):
-                yield Finding(
-                    f"variables.{v.name}.{side}", bound, f"for {v.path}: {expectation(key, v.path)}", "range"
-                )
+                yield Finding(f"variables.{v.name}.{side}", bound, f"for {v.path}: {expectation(key, v.path)}", "range")
 
 
 def _corners(variables: tuple[Variable, ...]) -> Iterator[list[tuple[Variable, float]]]:

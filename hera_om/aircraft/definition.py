@@ -27,9 +27,7 @@ class Aircraft(Part):
     rotor: tuple[Rotor, ...] = item("rotor groups", ())
     blade: tuple[Blade, ...] = item("blades", ())
     mass: tuple[Mass, ...] = item("mass items", ())
-    material: tuple[Material, ...] = item(
-        "materials; a shipped one that is used is copied in when loading", ()
-    )
+    material: tuple[Material, ...] = item("materials; a shipped one that is used is copied in when loading", ())
     variables: tuple[Variable, ...] = item("design variables", ())
     lattice: Lattice = item("density of the discretisation", Lattice())
 

@@ -99,9 +99,7 @@ def key_at(part: type[Part], path: str) -> Key | None:
     return found
 
 
-def tables_of(
-    part: type[Part], path: str = "", in_array: bool = False
-) -> Iterator[tuple[str, type[Part], bool]]:
+def tables_of(part: type[Part], path: str = "", in_array: bool = False) -> Iterator[tuple[str, type[Part], bool]]:
     """Every table of the schema, depth first: its path, its class, whether it is one of an array."""
     yield path, part, in_array
     for key in keys_of(part).values():

@@ -129,9 +129,7 @@ def _read(name: str) -> bytes:
 def _decode(raw: bytes, file: str) -> str:
     """UTF-8 text, with or without a byte order mark."""
     if b"\0" in raw:
-        raise InputError(
-            [Problem(file, "", f"a binary file (NUL at byte {raw.index(0)})", "TOML text in UTF-8")]
-        )
+        raise InputError([Problem(file, "", f"a binary file (NUL at byte {raw.index(0)})", "TOML text in UTF-8")])
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -150,9 +148,7 @@ def _parse(text: str, file: str) -> dict[str, Any]:
     except ValueError as error:  # tomllib's own error, and what int() says of a number of thousands of digits
         raise InputError([Problem(file, "", f"broken TOML: {error}", "a definition in TOML")]) from None
     if not data:
-        raise InputError(
-            [Problem(file, "", "an empty file", "a definition in TOML with at least name and [flight]")]
-        )
+        raise InputError([Problem(file, "", "an empty file", "a definition in TOML with at least name and [flight]")])
     return data
 
 

@@ -22,12 +22,8 @@ class Flight(Part):
     """The flight condition of one analysis."""
 
     mach: float = number("Mach number", ge=0, lt=1)
-    altitude_m: float = number(
-        "geopotential altitude in the standard atmosphere", "m", 0.0, ge=-1000, le=20000
-    )
-    speed_m_s: float | None = number(
-        "true airspeed; absent: mach times the speed of sound", "m/s", None, gt=0
-    )
+    altitude_m: float = number("geopotential altitude in the standard atmosphere", "m", 0.0, ge=-1000, le=20000)
+    speed_m_s: float | None = number("true airspeed; absent: mach times the speed of sound", "m/s", None, gt=0)
     density_kg_m3: float | None = number("density; absent: standard atmosphere", "kg/m3", None, gt=0)
     alpha_deg: float = number("angle of attack of the fuselage axis", "deg", 0.0, ge=-90, le=90)
     beta_deg: float = number("sideslip, wind from starboard positive", "deg", 0.0, ge=-90, le=90)
@@ -59,9 +55,7 @@ class Variable(Part):
     path: str = item("dotted path of the number, such as wing.section.kink.y_m")
     lower: float = number("lower bound", "the number's unit")
     upper: float = number("upper bound", "the number's unit")
-    ref: float | None = number(
-        "scale for the driver; absent: the larger bound", "the number's unit", None, gt=0
-    )
+    ref: float | None = number("scale for the driver; absent: the larger bound", "the number's unit", None, gt=0)
 
 
 class Lattice(Part):
@@ -71,9 +65,7 @@ class Lattice(Part):
     wing_spanwise: int = number("wing panels along the semispan", "", 32, ge=2, le=1000)
     tail_chordwise: int = number("tail panels along the chord", "", 6, ge=1, le=200)
     tail_spanwise: int = number("tail panels along the semispan or height", "", 12, ge=1, le=1000)
-    spacing: Literal["cosine", "uniform", "sine"] = item(
-        "panels along the span; sine: dense at the tip", "cosine"
-    )
+    spacing: Literal["cosine", "uniform", "sine"] = item("panels along the span; sine: dense at the tip", "cosine")
     chordwise_spacing: Literal["uniform", "cosine"] = item("panels along the chord", "uniform")
     rotor_radial: int = number("rotor stations along the radius", "", 10, ge=2, le=500)
     rotor_azimuthal: int = number("rotor stations around the disk", "", 12, ge=1, le=720)

@@ -103,11 +103,7 @@ def variable_box(aircraft: Aircraft) -> VariableBox:
         (v.name, v.path, v.lower, present[v.path], v.upper, _ref(v.lower, v.upper, v.ref), unit_of(v.path))
         for v in aircraft.variables
     ]
-    return (
-        VariableBox(*(tuple(column) for column in zip(*rows, strict=True)))
-        if rows
-        else VariableBox(*[()] * 7)
-    )
+    return VariableBox(*(tuple(column) for column in zip(*rows, strict=True))) if rows else VariableBox(*[()] * 7)
 
 
 def suggest(word: str, known: Mapping[str, Any] | Sequence[str]) -> str:

@@ -53,8 +53,7 @@ def wing_span(wing: Wing) -> Any:
 def wing_mac(wing: Wing) -> Any:
     """Mean aerodynamic chord [m]: 2/S times the integral of c^2 over the semispan."""
     square = sum(
-        (a.chord_m**2 + a.chord_m * b.chord_m + b.chord_m**2) * (b.y_m - a.y_m) / 3.0
-        for a, b in _panels(wing)
+        (a.chord_m**2 + a.chord_m * b.chord_m + b.chord_m**2) * (b.y_m - a.y_m) / 3.0 for a, b in _panels(wing)
     )
     return 2.0 * square / wing_area(wing)
 

@@ -19,9 +19,7 @@ class Rotor(Part):
     count_per_side: int = number("rotors on one side", "", 1, ge=1, le=50)
     y_m: float = number("hub of the inner rotor", "m", ge=0)
     spacing_m: float | None = number("distance between hubs; required with more than one", "m", None, gt=0)
-    x_ahead_of_leading_edge_m: float | None = number(
-        "hub ahead of the wing's leading edge at its y", "m", None
-    )
+    x_ahead_of_leading_edge_m: float | None = number("hub ahead of the wing's leading edge at its y", "m", None)
     z_offset_m: float | None = number("hub above the wing's leading edge at its y", "m", None)
     x_m: float | None = number("hub, instead of the position by the wing", "m", None)
     z_m: float | None = number("hub height, instead of the position by the wing", "m", None)
@@ -57,9 +55,7 @@ class Blade(Part):
     hub: float = number("hub radius over tip radius", ge=0, lt=1)
     r: tuple[_Radius, ...] = Field(description="radius over tip radius, increasing [-]", min_length=2)
     c: tuple[_Positive, ...] = Field(description="chord over tip radius [-]", min_length=2)
-    twist_deg: tuple[_Angle, ...] = Field(
-        description="twist relative to 75 % of the radius [deg]", min_length=2
-    )
+    twist_deg: tuple[_Angle, ...] = Field(description="twist relative to 75 % of the radius [deg]", min_length=2)
     thickness: tuple[_Thickness, ...] = Field(description="largest thickness over chord [-]", min_length=2)
     polar: BladePolar = item("section polar of the whole blade")
     tip_loss: bool = item("Prandtl's loss factor at the tip", True)

@@ -44,8 +44,7 @@ def _sections(wing: Wing) -> Iterator[Finding]:
 def _placing(section: Section) -> Iterator[Finding]:
     """Exactly one of (sweep_quarter_deg, dihedral_deg) and (x_le_m, z_m)."""
     given = tuple(
-        value is not None
-        for value in (section.sweep_quarter_deg, section.dihedral_deg, section.x_le_m, section.z_m)
+        value is not None for value in (section.sweep_quarter_deg, section.dihedral_deg, section.x_le_m, section.z_m)
     )
     if given not in ((True, True, False, False), (False, False, True, True)):
         names = ("sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
@@ -68,9 +67,7 @@ def _span_parts(wing: Wing) -> Iterator[Finding]:
         if part.y0_m >= part.y1_m:
             yield Finding(f"{path}.y0_m", part.y0_m, f"less than y1_m = {part.y1_m:g} [m]", "ends reversed")
         if part.y1_m > semispan:
-            yield Finding(
-                f"{path}.y1_m", part.y1_m, f"at most the semispan {semispan:g} [m]", "beyond the tip"
-            )
+            yield Finding(f"{path}.y1_m", part.y1_m, f"at most the semispan {semispan:g} [m]", "beyond the tip")
     if wing.fuselage_joint_y_m >= semispan:
         expected = f"less than the semispan {semispan:g} [m]"
         yield Finding("wing.fuselage_joint_y_m", wing.fuselage_joint_y_m, expected, "beyond the tip")
@@ -132,9 +129,7 @@ def _conditions(aircraft: Aircraft) -> Iterator[Finding]:
     """Flight and mission make sense together with the rest."""
     flight, mission, reference = aircraft.flight, aircraft.mission, aircraft.reference
     if aircraft.rotor and flight.mach == 0.0 and flight.speed_m_s is None:
-        yield Finding(
-            "flight.mach", flight.mach, "mach > 0, or flight.speed_m_s, since there are rotors", "speed"
-        )
+        yield Finding("flight.mach", flight.mach, "mach > 0, or flight.speed_m_s, since there are rotors", "speed")
     if mission and mission.V_C_EAS_m_s >= mission.V_D_EAS_m_s:
         expected = f"less than V_D_EAS_m_s = {mission.V_D_EAS_m_s:g} [m/s]"
         yield Finding("mission.V_C_EAS_m_s", mission.V_C_EAS_m_s, expected, "speeds reversed")

@@ -23,18 +23,14 @@ def variable_findings(aircraft: Aircraft) -> Iterator[Finding]:
     for v in aircraft.variables:
         key = f"variables.{v.name}"
         if v.name in OUTPUTS:
-            yield Finding(
-                f"{key}.name", v.name, "a name that is not an output of the analysis", "output name"
-            )
+            yield Finding(f"{key}.name", v.name, "a name that is not an output of the analysis", "output name")
         if v.path not in present or v.path.startswith("variables."):
             known = [p for p in present if not p.startswith("variables.")]
             expected = f"the path of a number that is present in the definition{suggest(v.path, known)}"
             yield Finding(f"{key}.path", v.path, expected, "path")
             continue
         if v.path in owners:
-            yield Finding(
-                f"{key}.path", v.path, f"a path that variable {owners[v.path]} has not taken", "path twice"
-            )
+            yield Finding(f"{key}.path", v.path, f"a path that variable {owners[v.path]} has not taken", "path twice")
         owners.setdefault(v.path, v.name)
         yield from _bounds(key, v.lower, present[v.path], v.upper, v.path)
 
@@ -77,9 +73,7 @@ def _references(aircraft: Aircraft) -> Iterator[Finding]:
         if area.rotor is not None:
             yield from _reference(f"drag_area.{area.name}.rotor", area.rotor, groups, "rotor")
         if area.rotor is not None and area.y_m is not None:
-            yield Finding(
-                f"drag_area.{area.name}.y_m", area.y_m, "either y_m or rotor, not both", "either or"
-            )
+            yield Finding(f"drag_area.{area.name}.y_m", area.y_m, "either y_m or rotor, not both", "either or")
     if aircraft.wing and aircraft.wing.structure:
         own: Mapping[str, object] = {m.name: m for m in aircraft.material}
         known = list(own | shipped_materials())

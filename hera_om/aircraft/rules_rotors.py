@@ -48,16 +48,12 @@ def _placing(aircraft: Aircraft, rotor: Rotor) -> Iterator[Finding]:
         yield Finding(path, value, expected, "placing")
     elif on_wing[0] and aircraft.wing is None:
         value = rotor.x_ahead_of_leading_edge_m
-        yield Finding(
-            f"{path}.x_ahead_of_leading_edge_m", value, "x_m and z_m, since there is no wing", "placing"
-        )
+        yield Finding(f"{path}.x_ahead_of_leading_edge_m", value, "x_m and z_m, since there is no wing", "placing")
     if rotor.count_per_side > 1 and rotor.spacing_m is None:
         yield Finding(f"{path}.spacing_m", None, "a distance > 0 [m], since count_per_side > 1", "spacing")
         return
     if rotor.y_m == 0.0 and (rotor.count_per_side > 1 or aircraft.wing is not None):
-        expected = (
-            "more than 0 [m]: one rotor in the symmetry plane stands alone and goes only without a wing"
-        )
+        expected = "more than 0 [m]: one rotor in the symmetry plane stands alone and goes only without a wing"
         yield Finding(f"{path}.y_m", rotor.y_m, expected, "centred")
     if aircraft.wing is not None and hub_ys(rotor)[-1] > aircraft.wing.section[-1].y_m:
         tip = aircraft.wing.section[-1].y_m
@@ -70,9 +66,7 @@ def _pitch(rotor: Rotor) -> Iterator[Finding]:
     low = -math.inf if rotor.beta75_min_deg is None else rotor.beta75_min_deg
     high = math.inf if rotor.beta75_max_deg is None else rotor.beta75_max_deg
     if low >= high:
-        yield Finding(
-            f"rotor.{rotor.name}.beta75_min_deg", low, f"less than beta75_max_deg = {high:g}", "reversed"
-        )
+        yield Finding(f"rotor.{rotor.name}.beta75_min_deg", low, f"less than beta75_max_deg = {high:g}", "reversed")
     elif not low <= rotor.beta75_deg <= high:
         expected = f"between beta75_min_deg and beta75_max_deg, {low:g} to {high:g} [deg]"
         yield Finding(f"rotor.{rotor.name}.beta75_deg", rotor.beta75_deg, expected, "pitch")

@@ -32,9 +32,7 @@ class Section(Part):
     sweep_quarter_deg: float | None = number(
         "sweep of the quarter-chord line of the segment inboard of the section", "deg", None, gt=-70, lt=70
     )
-    dihedral_deg: float | None = number(
-        "dihedral of the segment inboard of the section", "deg", None, gt=-70, lt=70
-    )
+    dihedral_deg: float | None = number("dihedral of the segment inboard of the section", "deg", None, gt=-70, lt=70)
     x_le_m: float | None = number("position of the leading edge, instead of the sweep", "m", None)
     z_m: float | None = number("height of the section, instead of the dihedral", "m", None)
 

@@ -22,9 +22,7 @@ def check(args: argparse.Namespace) -> Outcome:
     from hera_om.cli.tables import check_text
 
     aircraft = prepare(args)
-    fields = {
-        k: f for k, f in type(aircraft).model_fields.items() if k not in ("name", "source", "variables")
-    }
+    fields = {k: f for k, f in type(aircraft).model_fields.items() if k not in ("name", "source", "variables")}
     parts = [k for k, field in fields.items() if getattr(aircraft, k) != field.default]
     result = {
         "valid": True,

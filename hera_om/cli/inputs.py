@@ -152,9 +152,7 @@ def _place_problems(option: str, name: str, ending: str, magic: bytes, what: str
         elif not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
             yield Problem(COMMAND_LINE, option, name, "a file in a folder that exists and can be written")
         elif path.exists() and not _is_ours(path, magic):
-            yield Problem(
-                COMMAND_LINE, option, name, f"a new file or {what} to replace; this is another file"
-            )
+            yield Problem(COMMAND_LINE, option, name, f"a new file or {what} to replace; this is another file")
     except (OSError, ValueError) as error:
         yield Problem(COMMAND_LINE, option, name, f"a file that can be written ({error})")
 
@@ -186,9 +184,7 @@ def _aero_problems(args: argparse.Namespace, tables: Mapping[str, Any]) -> Itera
     args.aero = file
 
 
-def _assignments(
-    texts: list[str], tables: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, str], list[Problem]]:
+def _assignments(texts: list[str], tables: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str], list[Problem]]:
     """Values by path, the name that each path was given by, and the faults.
 
     A text that is no number stays a text: the definition's own check says what its key accepts.

@@ -61,18 +61,14 @@ def build_parser() -> Parser:
 
 def _add_common(parser: argparse.ArgumentParser) -> None:
     """Options that every command has."""
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object on standard output and nothing else"
-    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object on standard output and nothing else")
     parser.add_argument("--debug", action="store_true", help="print the traceback of a failure")
 
 
 def _add_aircraft(parser: argparse.ArgumentParser) -> None:
     """The definition and what changes it."""
     parser.add_argument("aircraft", metavar="AIRCRAFT", help="shipped name, or path of a TOML file")
-    parser.add_argument(
-        "--set", dest="assignments", metavar="NAME=VALUE", action="append", default=[], help=_SET_HELP
-    )
+    parser.add_argument("--set", dest="assignments", metavar="NAME=VALUE", action="append", default=[], help=_SET_HELP)
 
 
 def _add_aero(parser: argparse.ArgumentParser) -> None:
@@ -107,9 +103,7 @@ def _add_trim(parser: argparse.ArgumentParser) -> None:
 def _add_mdo(parser: argparse.ArgumentParser) -> None:
     """Options of ``mdo``."""
     _add_aircraft(parser)
-    parser.add_argument(
-        "--driver", choices=("SLSQP", "COBYLA"), default="SLSQP", help="optimiser (default SLSQP)"
-    )
+    parser.add_argument("--driver", choices=("SLSQP", "COBYLA"), default="SLSQP", help="optimiser (default SLSQP)")
     parser.add_argument(
         "--start",
         choices=("baseline", "low", "high"),

@@ -16,9 +16,7 @@ _DRAG = ("CDi", "CD_profile", "CD_fuselage", "CD_areas", "CD_slipstream", "CD")
 _ROTOR = ("theta", "thrust", "power", "CT", "CP", "eta")
 _CONDITION = "alpha beta mach altitude p_hat q_hat r_hat delta_e delta_a delta_r".split()
 _FORCES = ("CL", "CX", "CY", "CZ", "Cl", "Cm", "Cn", "L_over_D", "thrust", "power")
-_STABILITY = (
-    "x_np static_margin omega_sp zeta_sp CAP omega_ph zeta_ph omega_dr zeta_dr tau_roll t2_spiral".split()
-)
+_STABILITY = "x_np static_margin omega_sp zeta_sp CAP omega_ph zeta_ph omega_dr zeta_dr tau_roll t2_spiral".split()
 _MASS = "mass m_wing x_cg z_cg Ixx Iyy Izz Ixz RFC RFT".split()
 _RANGE = ("range_fixed_mass", "range_fixed_fuel", "range_per_energy")
 _MDO = {"alpha", "delta_e", "CL", "CD", "CDi", "L_over_D", "thrust", "power", "CAP", *_STABILITY, *_MASS, *_RANGE}
@@ -36,9 +34,7 @@ def grid(rows: Iterable[Sequence[Any]], head: Sequence[str] = (), indent: str = 
     left = [i == 0 or not any(_is_figure(line[i]) for line in lines[bool(head) :]) for i in range(count)]
     widths = [max(len(line[i]) for line in lines) for i in range(count)]
     padded = (
-        "  ".join(
-            c.ljust(w) if to_left else c.rjust(w) for c, w, to_left in zip(line, widths, left, strict=True)
-        )
+        "  ".join(c.ljust(w) if to_left else c.rjust(w) for c, w, to_left in zip(line, widths, left, strict=True))
         for line in lines
     )
     return "\n".join((indent + line).rstrip() for line in padded)
@@ -149,21 +145,15 @@ def _derivatives(values: Result) -> str:
     columns = [by for by in _BY if by in present] + [by for by in present if by not in _BY]
     rows = [c for c in _COEFFICIENTS if any(row == c for row, _ in found)]
     body = [[row, *(_figure(found.get((row, by)), 5) for by in columns)] for row in rows]
-    return _section(
-        "Derivatives (angles per radian, rates per unit of the dimensionless rate)", body, ["", *columns]
-    )
+    return _section("Derivatives (angles per radian, rates per unit of the dimensionless rate)", body, ["", *columns])
 
 
 def _rotors(values: Result, units: Mapping[str, Any]) -> str:
     """One rotor of each group."""
     groups = [n.removeprefix("thrust_") for n in values if n.startswith("thrust_")]
     kinds = [k for k in _ROTOR if any(f"{k}_{g}" in values for g in groups)]
-    head = ["group"] + [
-        f"{k} [{u}]" if groups and (u := _unit(f"{k}_{groups[0]}", units)) else k for k in kinds
-    ]
-    return _section(
-        "Rotors, one of each group", [[g, *(values.get(f"{k}_{g}") for k in kinds)] for g in groups], head
-    )
+    head = ["group"] + [f"{k} [{u}]" if groups and (u := _unit(f"{k}_{groups[0]}", units)) else k for k in kinds]
+    return _section("Rotors, one of each group", [[g, *(values.get(f"{k}_{g}") for k in kinds)] for g in groups], head)
 
 
 def _trim_state(result: Result) -> list[tuple[Any, ...]]:

@@ -78,9 +78,7 @@ class Aerodynamics(JaxComponent):
         defaults |= {f"theta_{r.name}": r.beta75_deg for r in aircraft.rotor}
         for name, value in defaults.items():
             self.add(name, val=value)
-        self.add(
-            "load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat"
-        )
+        self.add("load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat")
         for name, shape in self.statics.outputs(aircraft).items():
             self.add(name, shape=shape, **_TEXTS.get(name, {}))
 
@@ -117,9 +115,7 @@ class Aerodynamics(JaxComponent):
         )
         args = (self.base, self.constants, kept.system, kept.root, kept.inverse, values)
         matrix = by_input(*static, names, fixed, moving, *args, tangents)
-        fill_partials(
-            partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs
-        )
+        fill_partials(partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs)
 
     def _balances(self, partials, kept: "State") -> None:
         """Partials of the balances by the trim's states, per degree, from derivatives among the outputs."""
@@ -133,17 +129,11 @@ class Aerodynamics(JaxComponent):
                 partials[of, wrt] = float(row[column]) * RAD
             for i, group in enumerate(self.statics.groups):
                 members = self.statics.members(i)
-                partials[f"thrust_{group}", wrt] = (
-                    float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
-                )
+                partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
 
     def _fixed_names(self) -> tuple[str, ...]:
         """Inputs that the factorised system depends on."""
-        reads = [
-            n
-            for n, path in self.paths.items()
-            if path.split(".")[0] in (*GEOMETRY, "rotor", "blade", "flight")
-        ]
+        reads = [n for n, path in self.paths.items() if path.split(".")[0] in (*GEOMETRY, "rotor", "blade", "flight")]
         return tuple(sorted([*reads, "mach"]))
 
     def _static(self) -> tuple[Any, ...]:
@@ -251,9 +241,7 @@ class AeroPlan:
 
 
 _TEXTS: dict[str, dict[str, Any]] = {
-    "lift_margin": {
-        "desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"
-    },
+    "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
     "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
     "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
     "q_S": {"units": "N", "desc": "dynamic pressure times reference area"},
@@ -286,15 +274,11 @@ def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tup
     )
     q_hat = inputs["q_hat"] + turning * body.c / (2 * jnp.where(flow.speed > 0, flow.speed, 1.0))
     theta = [inputs[f"theta_{g}"] * RAD for g in statics.groups]
-    x = Controls(
-        inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0)
-    )
+    x = Controls(inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0))
     return x, Setting(system, arrays.rotors(aircraft), flow, body.c), body
 
 
-def _evaluate(
-    aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse
-) -> AeroResult:
+def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse) -> AeroResult:
     """Second stage at a root; with ``inverse`` the root carries derivatives."""
     x, at, body = _setting(aircraft, statics, system, inputs)
     flat = root.flat if inverse is None else carry_derivatives(root, inverse, x, at, statics.rotors)
@@ -305,9 +289,7 @@ def _evaluate(
 def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
     """Outputs by name."""
     _, at, body = _setting(aircraft, statics, system, inputs)
-    out = (
-        _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
-    )
+    out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
     if at.rotors is not None:
         out |= _rotor_outputs(statics, result, at.rotors, at.flow)
     if aircraft.wing is not None:
@@ -448,9 +430,7 @@ def _stages():
         order = (*fixed, *moving)
         varying, factors = split_factors(system)
         start, basis = jnp.stack([jnp.asarray(inputs[n]) for n in order]), jnp.eye(len(order))
-        padded = jax.tree.map(
-            lambda t: jnp.concatenate([t, jnp.zeros((len(moving), *t.shape[1:]), t.dtype)]), tangents
-        )
+        padded = jax.tree.map(lambda t: jnp.concatenate([t, jnp.zeros((len(moving), *t.shape[1:]), t.dtype)]), tangents)
         push = jax.vmap(lambda d_system, d: jax.jvp(run, (varying, start), (d_system, d))[1], out_axes=1)
         return push(padded, basis)[:, jnp.asarray(np.argsort(order))]
 

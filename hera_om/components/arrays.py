@@ -28,17 +28,13 @@ def grids(aircraft: Aircraft) -> list[Grid]:
         names = [s.airfoil for s in aircraft.wing.section]
         out.append(_grid(y, names, lat.wing_chordwise, lat.wing_spanwise, aircraft))
     if aircraft.htail is not None:
-        out.append(
-            _grid([0.0, 1.0], [aircraft.htail.airfoil] * 2, lat.tail_chordwise, lat.tail_spanwise, aircraft)
-        )
+        out.append(_grid([0.0, 1.0], [aircraft.htail.airfoil] * 2, lat.tail_chordwise, lat.tail_spanwise, aircraft))
     return out
 
 
 def _grid(y, names, nc: int, ns: int, aircraft: Aircraft) -> Grid:
     """Grid of one surface by the definition's spacing laws."""
-    return make_grid(
-        y, names, nc=nc, ns=ns, span=aircraft.lattice.spacing, chord=aircraft.lattice.chordwise_spacing
-    )
+    return make_grid(y, names, nc=nc, ns=ns, span=aircraft.lattice.spacing, chord=aircraft.lattice.chordwise_spacing)
 
 
 def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
@@ -50,9 +46,7 @@ def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
         tail, grid = tail_sections(aircraft.htail), rest.pop(0)
         elevator = aircraft.htail.control.elevator
         if elevator is not None:
-            share = hinge_share(
-                grid, tail.y, ends=(0.0, tail.y[-1]), hinge=elevator.hinge, gain=elevator.gain
-            )
+            share = hinge_share(grid, tail.y, ends=(0.0, tail.y[-1]), hinge=elevator.hinge, gain=elevator.gain)
             grid = grid._replace(hinge_share=share)
         out.append(Surface(tail, grid, _polar(aircraft.htail.polar)))
     return out

@@ -28,13 +28,9 @@ class MassProperties(JaxComponent):
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare(
-            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
-        )
+        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
         rules = (FIXED_MASS, FIXED_FUEL)
-        self.options.declare(
-            "fuel_rule", FIXED_MASS, values=rules, desc="what stays when the structure changes"
-        )
+        self.options.declare("fuel_rule", FIXED_MASS, values=rules, desc="what stays when the structure changes")
 
     def setup(self) -> None:
         """Read no more of the definition than this aircraft's items follow."""
@@ -68,9 +64,7 @@ class MassProperties(JaxComponent):
         burnt = aircraft.mission.climb_fuel_kg if aircraft.mission is not None else 0.0
         tanks = max(sum(i.tracks == "fuel" for i in items), 1)
         change = [(gained - burnt) / tanks if i.tracks == "fuel" else 0.0 for i in items]
-        total = _assemble(
-            aircraft, jnp.stack([jnp.asarray(m + d, float) for m, d in zip(now, change, strict=True)])
-        )
+        total = _assemble(aircraft, jnp.stack([jnp.asarray(m + d, float) for m, d in zip(now, change, strict=True)]))
         return {
             "mass": jnp.asarray(sum(now) + gained, float),
             "x_cg": total.cg[0],

@@ -22,9 +22,7 @@ class Performance(JaxComponent):
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare(
-            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
-        )
+        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
         rules = (FIXED_MASS, FIXED_FUEL)
         self.options.declare("fuel_rule", FIXED_MASS, values=rules, desc="rule behind the input mass")
 

@@ -39,9 +39,7 @@ class Stability(JaxComponent):
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare(
-            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
-        )
+        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
 
     def setup(self) -> None:
         """The planform matters only where it gives the reference quantities."""
@@ -61,9 +59,7 @@ class Stability(JaxComponent):
         for name in ("static_margin", "x_np", "omega_sp", "zeta_sp", "omega_ph", "zeta_ph", "CAP"):
             self.add(name)
         for mode, text in (("sp", "short period"), ("ph", "phugoid")):
-            self.add(
-                f"omega_{mode}_full", units="rad/s", desc=f"{text} of the full equations, undamped frequency"
-            )
+            self.add(f"omega_{mode}_full", units="rad/s", desc=f"{text} of the full equations, undamped frequency")
             self.add(f"zeta_{mode}_full", desc=f"{text} of the full equations, damping ratio")
 
     @staticmethod
@@ -76,10 +72,7 @@ class Stability(JaxComponent):
         body = {"mass": inputs["mass_cruise"], "I_yy": inputs["Iyy"], "S": S, "c": c}
         short = reduced_order(slopes, flight, CL=inputs["CL"], CD=inputs["CD"], **body)
         modes = longitudinal_modes(longitudinal_state_matrix(slopes, flight, **body))
-        out = {
-            n: getattr(short, n)
-            for n in ("static_margin", "omega_sp", "zeta_sp", "omega_ph", "zeta_ph", "CAP")
-        }
+        out = {n: getattr(short, n) for n in ("static_margin", "omega_sp", "zeta_sp", "omega_ph", "zeta_ph", "CAP")}
         for name, mode in (("sp", modes.short_period), ("ph", modes.phugoid)):
             out |= {f"omega_{name}_full": mode.omega, f"zeta_{name}_full": mode.zeta}
         return out | {"x_np": jnp.asarray(neutral_point(inputs["x_cg"], short.static_margin, c))}
@@ -90,6 +83,4 @@ def _complete(name: str, aircraft: Aircraft) -> None:
     given = aircraft.reference
     missing = [f"reference.{key}" for key in ("S_m2", "c_m") if getattr(given, key) is None]
     if aircraft.wing is None and missing:
-        raise ValueError(
-            f"{aircraft.name!r} has no stability: there is no wing, and no {' and no '.join(missing)}"
-        )
+        raise ValueError(f"{aircraft.name!r} has no stability: there is no wing, and no {' and no '.join(missing)}")

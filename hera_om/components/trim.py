@@ -50,9 +50,7 @@ def start_values(aircraft: Aircraft) -> dict[str, float]:
     }
 
 
-def balances(
-    CX, CZ, Cm, *, alpha, weight_coefficient, powered: bool
-) -> dict[str, tuple[float, dict[str, float]]]:
+def balances(CX, CZ, Cm, *, alpha, weight_coefficient, powered: bool) -> dict[str, tuple[float, dict[str, float]]]:
     """Residuals of steady level flight at a load factor, and their derivatives.
 
     Weight acts along -u, u = (-sin a, 0, cos a) being normal to the flight path in geometry axes:
@@ -141,9 +139,7 @@ class TrimBalance(om.ImplicitComponent):
         start = start_values(aircraft)
         bounds = state_bounds(aircraft, self.options["powered"])
         for name, (low, high) in narrowed(bounds, self.options["within"]).items():
-            self.add_output(
-                name, val=start[name], lower=low, upper=high, units="deg", desc=quantity(name).desc
-            )
+            self.add_output(name, val=start[name], lower=low, upper=high, units="deg", desc=quantity(name).desc)
         self.declare_partials("*", "*")
 
     def apply_nonlinear(self, inputs, outputs, residuals) -> None:
@@ -173,9 +169,7 @@ class TrimResiduals(om.ExplicitComponent):
         self.add_input("alpha", val=aircraft.flight.alpha_deg, units="deg", desc=quantity("alpha").desc)
         self.kept = [s for s in self.equilibrium.states if s not in self.equilibrium.thetas[1:]]
         for state in self.kept:
-            self.add_output(
-                f"balance_{_NAMES.get(state, 'x')}", desc=f"balance closed by {state}, load coefficient"
-            )
+            self.add_output(f"balance_{_NAMES.get(state, 'x')}", desc=f"balance closed by {state}, load coefficient")
         self.declare_partials("*", "*")
 
     def compute(self, inputs, outputs) -> None:

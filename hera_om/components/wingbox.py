@@ -58,9 +58,7 @@ class WingBox(JaxComponent):
     def initialize(self) -> None:
         """Declare the options."""
         super().initialize()
-        self.options.declare(
-            "aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft"
-        )
+        self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
         text = "mass beside primary / primary_fraction where the definition has no mass_remainder_kg [kg]"
         self.options.declare("remainder", 0.0, types=float, desc=text)
 

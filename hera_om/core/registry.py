@@ -85,9 +85,7 @@ OUTPUTS = _table(
     Quantity("Ixx", "kg*m**2", "moment of inertia about the body's x axis at the centre of gravity"),
     Quantity("Iyy", "kg*m**2", "moment of inertia about the body's y axis at the centre of gravity"),
     Quantity("Izz", "kg*m**2", "moment of inertia about the body's z axis at the centre of gravity"),
-    Quantity(
-        "Ixz", "kg*m**2", "product of inertia, sum of m dx dz in geometry axes, at the centre of gravity"
-    ),
+    Quantity("Ixz", "kg*m**2", "product of inertia, sum of m dx dz in geometry axes, at the centre of gravity"),
     Quantity("range_fixed_mass", "km", "range at fixed take-off mass: mass saved becomes fuel"),
     Quantity("range_fixed_fuel", "km", "range at fixed fuel"),
     Quantity("range_per_energy", "m/J", "range per shaft energy"),

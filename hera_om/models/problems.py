@@ -186,9 +186,7 @@ def _add_goals(problem: om.Problem, goal: Goal, limits, equality_ref: float | No
 def _set_up(problem: om.Problem) -> None:
     """Set up quietly, in the mode with fewer passes."""
     # Newton's method inside a trim makes OpenMDAO count the whole model as one: so it is meant.
-    warnings.filterwarnings(
-        "ignore", category=om.OpenMDAOWarning, message=".*nonlinear solver that computes gradients"
-    )
+    warnings.filterwarnings("ignore", category=om.OpenMDAOWarning, message=".*nonlinear solver that computes gradients")
     problem.setup(mode="auto")
     problem.set_solver_print(level=-1)
 

@@ -53,9 +53,7 @@ def known_box(aero: Aero) -> Bounds:
     """Box of the inputs that a surrogate knows; the lattice has none."""
     if isinstance(aero, str):
         return {}
-    return dict(
-        zip(aero.input_names, zip(map(float, aero.lower), map(float, aero.upper), strict=True), strict=True)
-    )
+    return dict(zip(aero.input_names, zip(map(float, aero.lower), map(float, aero.upper), strict=True), strict=True))
 
 
 def aerodynamics(aircraft: Aircraft, aero: Aero):
@@ -126,9 +124,7 @@ class TrimmedAircraft(om.Group):
         kg = {"units": "kg", "val": wing_structure(aircraft).mass_total_baseline_kg}
         copy = om.ExecComp("m_wing_relief = m_wing", m_wing=kg, m_wing_relief=kg)
         self.add_subsystem("relief", copy, promotes=["*"])
-        self.add_subsystem(
-            "wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs
-        )
+        self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs)
         for name in (*LOAD_NAMES, *(ROTOR_NAMES if aircraft.rotor else ())):
             self.connect(name, f"wing_box.cruise_{name}")
             self.connect(f"pullup.{name}", f"wing_box.pullup_{name}")
@@ -147,9 +143,7 @@ def wing_structure(aircraft: Aircraft) -> WingStructure:
 
 def _read(aircraft: Aircraft, reads: tuple[str, ...]) -> list[str]:
     """Design variables under some paths."""
-    return [
-        v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)
-    ]
+    return [v.name for v in aircraft.variables if any(v.path == r or v.path.startswith(r + ".") for r in reads)]
 
 
 def aero_variables(aircraft: Aircraft) -> list[str]:

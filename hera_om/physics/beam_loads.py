@@ -66,9 +66,7 @@ def strip_load(
     return SpanLoad(edges[:-1], edges[1:], points, forces, moments)
 
 
-def point_load(
-    points: Float[Array, "k 3"], *, forces: Float[Array, "k 3"], moments: Float[Array, "k 3"]
-) -> SpanLoad:
+def point_load(points: Float[Array, "k 3"], *, forces: Float[Array, "k 3"], moments: Float[Array, "k 3"]) -> SpanLoad:
     """Concentrated loads, spread over ``ATTACHMENT_WIDTH`` about the y of their points."""
     y = points[:, 1]
     return SpanLoad(y - 0.5 * ATTACHMENT_WIDTH, y + 0.5 * ATTACHMENT_WIDTH, points, forces, moments)

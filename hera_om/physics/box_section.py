@@ -192,17 +192,13 @@ def section_properties(shape: BoxShape, members: BoxMembers, t: Float[Array, "4 
     z_front, z_rear, z_mean = 0.5 * shape.h_front - sink, 0.5 * shape.h_rear - sink, 0.5 * shape.h_mean
     sheet_area = shape.width * jnp.stack([t_upper, t_lower])
     sheet_first = sheet_area * z_mean + stringers * (z_mean - depth)
-    sheet_second = sheet_area * shape.z_square + stringers * (
-        shape.z_square - 2.0 * z_mean * depth + jnp.square(depth)
-    )
+    sheet_second = sheet_area * shape.z_square + stringers * (shape.z_square - 2.0 * z_mean * depth + jnp.square(depth))
     webs = t_front * shape.h_front + t_rear * shape.h_rear
     web_inertia = (t_front * shape.h_front**3 + t_rear * shape.h_rear**3) / 12.0
     area = jnp.sum(sheet_area, axis=0) + 2.0 * stringers + 4.0 * members.A_cap + webs
     z_c = (sheet_first[0] - sheet_first[1]) / area
     about_chord = jnp.sum(sheet_second, axis=0) + 2.0 * members.A_cap * (z_front**2 + z_rear**2) + web_inertia
-    perimeter = (
-        shape.width * (1.0 / t_upper + 1.0 / t_lower) + shape.h_front / t_front + shape.h_rear / t_rear
-    )
+    perimeter = shape.width * (1.0 / t_upper + 1.0 / t_lower) + shape.h_front / t_front + shape.h_rear / t_rear
     upper, lower = (
         jnp.stack(
             [
@@ -244,9 +240,7 @@ def shear_flow(shape: BoxShape, section: Section, t: Float[Array, "4 n"]) -> She
     total = jnp.sum(up, axis=0)
     # Everything per unit V / I, with the upward flow at the top of the front web as the one unknown q.
     web_first = -z_c * h_f * t_front  # from top to bottom of the front web, about the centroid
-    web_extra_f, web_extra_r = (
-        tw * (h**3 / 12.0 - 0.5 * h**2 * z_c) for tw, h in ((t_front, h_f), (t_rear, h_r))
-    )
+    web_extra_f, web_extra_r = (tw * (h**3 / 12.0 - 0.5 * h**2 * z_c) for tw, h in ((t_front, h_f), (t_rear, h_r)))
     sag_upper, sag_lower = up[0] + 0.5 * up[1], low[0] + 0.5 * low[1]
     open_twist = (
         web_extra_f / t_front

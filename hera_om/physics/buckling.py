@@ -116,9 +116,7 @@ def crippling_stress(area_over_t2: ArrayLike, *, modulus: ArrayLike, f_cy: Array
     return f_cy * jnp.minimum(GERARD_CUT_OFF, ratio)
 
 
-def johnson_euler_stress(
-    slenderness: ArrayLike, f_cc: ArrayLike, *, modulus: ArrayLike
-) -> Float[Array, "..."]:
+def johnson_euler_stress(slenderness: ArrayLike, f_cc: ArrayLike, *, modulus: ArrayLike) -> Float[Array, "..."]:
     """Failing stress of a pinned column whose section cripples at f_cc.
 
     F = f_cc (1 - f_cc (L/r)^2 / (4 pi^2 E)) down to f_cc / 2, Euler's pi^2 E / (L/r)^2 below. Bruhn eq.

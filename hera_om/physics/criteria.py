@@ -111,9 +111,7 @@ TABLE_7: tuple[Criterion, ...] = (
 )
 
 
-def select(
-    quantity: str, category: str, aircraft_class: str, *, level: int = 1, standard: str = MIL
-) -> Criterion:
+def select(quantity: str, category: str, aircraft_class: str, *, level: int = 1, standard: str = MIL) -> Criterion:
     """The one criterion that applies.
 
     Source: the tables of this module.

@@ -30,9 +30,7 @@ def _spline_curvatures(r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> 
     return jnp.linalg.solve(matrix, right)
 
 
-def _profile(
-    x: Float[Array, " n"], r: Float[Array, " nr"], values: Float[Array, "nr k"]
-) -> Float[Array, "n k"]:
+def _profile(x: Float[Array, " n"], r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> Float[Array, "n k"]:
     """Natural cubic spline through ``values`` at ``r``, continued linearly, hence twice differentiable
     everywhere.
     """

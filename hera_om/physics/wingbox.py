@@ -224,9 +224,5 @@ def size_box(
         The sized box. ``worst_excess`` above 1e-6 at a station: no thickness up to t_max carries the load
         there; ``use`` of that station names panel and criterion.
     """
-    model = box_model(
-        geometry, material, concept, loads=loads, A_cap_root=A_cap_root, A_stringer_root=A_stringer_root
-    )
-    return evaluate_box(
-        model, box_centre(geometry, concept), solve_thickness(model, sharpness), sharpness=sharpness
-    )
+    model = box_model(geometry, material, concept, loads=loads, A_cap_root=A_cap_root, A_stringer_root=A_stringer_root)
+    return evaluate_box(model, box_centre(geometry, concept), solve_thickness(model, sharpness), sharpness=sharpness)

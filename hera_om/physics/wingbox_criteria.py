@@ -68,9 +68,7 @@ def box_state(model: BoxModel, t: Float[Array, "4 n"]) -> BoxState:
     )
 
 
-def _direct_share(
-    stress: Float[Array, "..."], allowable: ScalarLike, reserve: ScalarLike
-) -> Float[Array, "..."]:
+def _direct_share(stress: Float[Array, "..."], allowable: ScalarLike, reserve: ScalarLike) -> Float[Array, "..."]:
     """Positive direct stress over its allowable, at most ``DIRECT_SHARE`` of 1 / reserve."""
     share = positive_part(stress / allowable, SMOOTH_WIDTH)
     return smooth_below(share, DIRECT_SHARE / reserve, SMOOTH_WIDTH)
@@ -93,9 +91,7 @@ def _von_mises_use(
     return reserve * buckling.von_mises(0.0, 0.0, shares) / left
 
 
-def cover_buckling_use(
-    model: BoxModel, state: BoxState, t: Float[Array, "4 n"]
-) -> Float[Array, "2 2 case n"]:
+def cover_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 2 case n"]:
     """Utilisation of the skin panels between stringers and ribs in compression with shear: R_c + R_s^2 = 1.
 
     The panel is flat, simply supported, stringer pitch wide and rib pitch long, at the stress of the
@@ -148,15 +144,11 @@ def crushing_load(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> F
     """Load per chord on a rib by Brazier's pressure of either cover, N/m: pressure times rib pitch."""
     shape, members = model.shape, model.members
     smeared = t[:2] + members.n_stringer * members.A_stringer / shape.width
-    pressure = buckling.brazier_pressure(
-        state.cover_direct, smeared[:, None], shape.h_mean, modulus=model.material.E
-    )
+    pressure = buckling.brazier_pressure(state.cover_direct, smeared[:, None], shape.h_mean, modulus=model.material.E)
     return pressure * model.concept.rib_pitch
 
 
-def rib_thickness(
-    model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike
-) -> Float[Array, "n"]:
+def rib_thickness(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike) -> Float[Array, "n"]:
     """Lightest rib: minimum gauge, crushing as a plate between covers and spars, crushing yield; closed form.
 
     Plate: reserve N / t = k pi^2 E / (12 (1 - nu^2)) (t / w)^2, so t is a cube root; simply supported, no

@@ -34,15 +34,12 @@ def column_stress(model: BoxModel, t_skin: Float[Array, "2 n"]) -> Float[Array, 
     z = z_stringer(members.A_stringer)
     f_cc = buckling.crippling_stress(z.area_over_t2, modulus=material.E, f_cy=material.F_cy)
     pitch = concept.stringer_pitch
-    width = pitch * smooth_below(
-        buckling.effective_width(t_skin, f_cc, modulus=material.E) / pitch, 1.0, 0.01
-    )
+    width = pitch * smooth_below(buckling.effective_width(t_skin, f_cc, modulus=material.E) / pitch, 1.0, 0.01)
     skin = width * t_skin
     area = members.A_stringer + skin
     arm = z.centroid + 0.5 * t_skin
     inertia = (
-        members.A_stringer * (z.gyration_square + jnp.square(arm) * skin / area)
-        + skin * jnp.square(t_skin) / 12.0
+        members.A_stringer * (z.gyration_square + jnp.square(arm) * skin / area) + skin * jnp.square(t_skin) / 12.0
     )
     length_square = jnp.square(concept.rib_pitch) / COLUMN_FIXITY
     return buckling.johnson_euler_stress(jnp.sqrt(length_square * area / inertia), f_cc, modulus=material.E)

@@ -188,9 +188,7 @@ def _run(path: Path, keys: Mapping[str, Any], rows: list[tuple[int, str]]) -> Ru
     if not isinstance(version, int):
         raise RecordError(f"{path}: damaged or never begun: it does not say its format")
     if version > FORMAT:
-        raise RecordError(
-            f"{path}: format {version} is newer than {FORMAT}, the newest that this hera_om reads"
-        )
+        raise RecordError(f"{path}: format {version} is newer than {FORMAT}, the newest that this hera_om reads")
     try:
         return Run(
             path=path,

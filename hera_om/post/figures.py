@@ -49,9 +49,7 @@ def plot_history(source: Source) -> Figure:
     _objective(top, run, columns)
     if len(failed):
         style = {"linestyle": "none", "marker": "x", "color": VIOLATED, "clip_on": False}
-        top.plot(
-            failed, [0.0] * len(failed), transform=top.get_xaxis_transform(), label="analysis failed", **style
-        )
+        top.plot(failed, [0.0] * len(failed), transform=top.get_xaxis_transform(), label="analysis failed", **style)
     top.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2, handletextpad=0.2)
     _violation(middle, columns)
     _in_box(bottom, run, columns)
@@ -148,9 +146,7 @@ def _margin(axes: Axes, place: int, c: Constraint, row: tables.Row, final: str) 
     note = f"violated by {number(abs(share), 2)} %" if violated else "active" if active else ""
     text = _bounded(c, value) + (f", {note}" if note else "")
     colour = VIOLATED if violated else INK
-    axes.annotate(
-        text, (1.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=9, color=colour
-    )
+    axes.annotate(text, (1.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=9, color=colour)
 
 
 def _bounded(c: Constraint, value: float) -> str:
@@ -168,9 +164,7 @@ def _margin_legend(axes: Axes, final: str) -> None:
     """Name the marks."""
     handles: list[Artist] = [Rectangle((0, 0), 1, 1, color=OPTIMUM, label=final)]
     if final == "optimum":
-        (diamond,) = axes.plot(
-            [], [], "D", color=INK, markerfacecolor="white", markersize=6, label="baseline"
-        )
+        (diamond,) = axes.plot([], [], "D", color=INK, markerfacecolor="white", markersize=6, label="baseline")
         handles.append(diamond)
     handles.append(Rectangle((0, 0), 1, 1, color=VIOLATED, label="violated"))
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)

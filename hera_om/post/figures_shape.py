@@ -67,9 +67,7 @@ def _half(axes: Axes, shot: Snapshot, side: float, style: dict[str, Any]) -> Non
         width = 3.2 if style["facecolor"] != "none" else 1.2
         colour = style["edgecolor"]
         order = style["zorder"] + 1
-        axes.plot(
-            ends, [x, x], color=colour, linewidth=width, linestyle=style.get("linestyle", "-"), zorder=order
-        )
+        axes.plot(ends, [x, x], color=colour, linewidth=width, linestyle=style.get("linestyle", "-"), zorder=order)
         if width > 2.0:
             axes.plot([side * y, side * y], [x, x + 0.6 * radius], color=colour, linewidth=1.2, zorder=order)
 
@@ -132,9 +130,7 @@ def plot_span_load(source: Source) -> Figure:
         axes.set_xlim(left=0.0)
     _disks(lower, shots)
     handles, _ = upper.get_legend_handles_labels()
-    handles.append(
-        Line2D([], [], color=COLOURS[shots[-1][0]], linewidth=3.5, alpha=0.75, label="rotor disks")
-    )
+    handles.append(Line2D([], [], color=COLOURS[shots[-1][0]], linewidth=3.5, alpha=0.75, label="rotor disks"))
     upper.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
     return figure
 

@@ -130,9 +130,7 @@ def _ends(axes: Axes, path: Path, run: Run) -> None:
     """Mark where the run began and ended, or the one point that there is."""
     last = "end" if run.optimum is not None else "latest"
     marks = [(0, "o", 9, BASELINE, "start"), (-1, "*", 15, OPTIMUM, last)]
-    for i, marker, size, colour, label in (
-        marks if len(path.zeta) > 1 else [(0, "o", 9, BASELINE, "baseline")]
-    ):
+    for i, marker, size, colour, label in marks if len(path.zeta) > 1 else [(0, "o", 9, BASELINE, "baseline")]:
         zeta, omega = float(path.zeta[i]), float(path.omega[i])
         text = rf"{label}: $\zeta$ {number(zeta, 3)}, $\omega$ {number(omega, 3)} rad/s"
         style = {"markeredgecolor": "white", "linestyle": "none", "zorder": 5}

@@ -139,9 +139,7 @@ def _versions(run: Run) -> str:
     names = ("hera_om", "openmdao", "jax", "numpy", "scipy")
     known = [f"{k.replace('_', '-')} {run.provenance[k]}" for k in names if run.provenance.get(k)]
     if revision := run.provenance.get("revision"):
-        known.append(
-            f"revision {revision[:10]}" + (" with changes" if run.provenance.get("modified") else "")
-        )
+        known.append(f"revision {revision[:10]}" + (" with changes" if run.provenance.get("modified") else ""))
     return ", ".join(known)
 
 
@@ -171,17 +169,13 @@ def _comparison(run: Run) -> str:
     if frame.empty:
         return page.note("No snapshot was recorded.")
     mine = [n for n in MAIN if n in frame.index]
-    mine[12:12] = [
-        n for n in frame.index if n.startswith("theta_") and n not in {v.name for v in run.variables}
-    ]
+    mine[12:12] = [n for n in frame.index if n.startswith("theta_") and n not in {v.name for v in run.variables}]
     if run.objective and run.objective.name in frame.index:
         mine = [run.objective.name, *(n for n in mine if n != run.objective.name)]
     rest = frame.drop(mine)
     text = _comparison_table(frame.loc[mine] if mine else frame, run)
     return text + (
-        page.folded(f"{len(rest)} further numbers", _comparison_table(rest, run))
-        if len(rest) and mine
-        else ""
+        page.folded(f"{len(rest)} further numbers", _comparison_table(rest, run)) if len(rest) and mine else ""
     )
 
 
@@ -191,9 +185,7 @@ def _comparison_table(frame: pd.DataFrame, run: Run) -> str:
     rows = []
     for row in tables.rows(frame):
         before, after, unit = _shown(row)
-        values = (
-            [before, after, _percent(row["change_percent"])] if both else [before if before != "–" else after]
-        )
+        values = [before, after, _percent(row["change_percent"])] if both else [before if before != "–" else after]
         rows.append([row["name"], unit, *values, row["meaning"]])
     head = ["quantity", "unit", *(["baseline", "optimum", "change"] if both else ["value"]), "meaning"]
     return page.table(head, rows, text=(0, 1, len(head) - 1))
@@ -228,17 +220,11 @@ def _constraints(run: Run) -> str:
         numbers = [number(factor * row[k]) for k in ("lower", "baseline", "optimum", "upper")]
         numbers.append(_percent(row["margin_percent"]))
         state = "violated" if row["violated"] else "active" if row["active"] else ""
-        rows.append(
-            [row["name"], unit, *numbers, number(row["multiplier"] / factor, 3), state, row["reason"]]
-        )
+        rows.append([row["name"], unit, *numbers, number(row["multiplier"] / factor, 3), state, row["reason"]])
         classes.append("bad" if row["violated"] else "")
     head = "constraint unit lower baseline optimum upper margin multiplier state reason".split()
     text = page.table(head, rows, text=(0, 1, 8, 9), classes=classes)
-    return (
-        _figure("constraints", "margins of the constraints", figures.plot_constraints)(run)
-        + text
-        + _optimality(run)
-    )
+    return _figure("constraints", "margins of the constraints", figures.plot_constraints)(run) + text + _optimality(run)
 
 
 def _optimality(run: Run) -> str:
@@ -302,15 +288,9 @@ PANES = (
     Pane("comparison", "Main numbers", _comparison),
     Pane("variables", "Design variables", _variables, SEARCHES),
     Pane("constraints", "Constraints", _constraints, SEARCHES),
-    Pane(
-        "gain", "Gain by cause", _figure("gain-figure", "gain by cause", figures_budget.plot_gain), ("mdo",)
-    ),
-    Pane(
-        "history", "History", _figure("history-figure", "history of the run", figures.plot_history), SEARCHES
-    ),
-    Pane(
-        "planform", "Planform and rotors", _figure("planform-figure", "planform", figures_shape.plot_planform)
-    ),
+    Pane("gain", "Gain by cause", _figure("gain-figure", "gain by cause", figures_budget.plot_gain), ("mdo",)),
+    Pane("history", "History", _figure("history-figure", "history of the run", figures.plot_history), SEARCHES),
+    Pane("planform", "Planform and rotors", _figure("planform-figure", "planform", figures_shape.plot_planform)),
     Pane(
         "load",
         "Load along the span",

@@ -149,9 +149,7 @@ def gain(source: Source) -> pd.Series:
 def _budget(found: dict[str, dict], labels: dict[str, str], total: str, factor: float) -> pd.DataFrame:
     """Parts of both designs and their change; what the parts leave of the total gets a row of its own."""
     names = [n for n in dict.fromkeys([*found["baseline"], *found["optimum"]]) if n != total]
-    frame = pd.DataFrame(
-        {d: pd.Series(found[d], index=[*names, total], dtype=float) * factor for d in DESIGNS}
-    )
+    frame = pd.DataFrame({d: pd.Series(found[d], index=[*names, total], dtype=float) * factor for d in DESIGNS})
     frame = frame.dropna(how="all")
     frame.index = pd.Index([labels.get(n, n) for n in frame.index], name="item", dtype=object)
     if total in frame.index:

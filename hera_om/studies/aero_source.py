@@ -22,7 +22,5 @@ def aero_of(aero: str | Path, aircraft: Aircraft):
 
     found = load(Path(aero))
     if found.definition_hash != training_hash(aircraft):
-        raise RecordError(
-            f"{aero}: the surrogate was trained on another definition than {blank(aircraft).name!r}"
-        )
+        raise RecordError(f"{aero}: the surrogate was trained on another definition than {blank(aircraft).name!r}")
     return found

@@ -38,9 +38,7 @@ def mdo(
     """Build the problem of Table 7, by default with its objective, and `run` it."""
     source = aero_of(aero, aircraft)
     try:
-        problem = build_mdo(
-            aircraft, driver=driver, aero=source, max_iterations=max_iterations, objective=objective
-        )
+        problem = build_mdo(aircraft, driver=driver, aero=source, max_iterations=max_iterations, objective=objective)
     except om.AnalysisError as error:
         raise AnalysisFailure(str(error), where="baseline") from error
     options = {"driver": driver, "aero": str(aero), "start": start, **DRIVERS[driver]}
@@ -83,9 +81,7 @@ def run(
         for x in limits
     ]
     head = {"name": goal.name, "units": known_units(goal.name), "sense": goal.sense}
-    with Record(
-        database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=head
-    ) as record:
+    with Record(database, kind="mdo", aircraft=aircraft, options=options, constraints=rows, objective=head) as record:
         best = _Best(aircraft, limits, goal)
         record.attach(problem, progress=_ticker(problem, best, progress))
         before = _baseline(problem, aircraft, record)
@@ -195,9 +191,7 @@ def _shrink(problem: om.Problem, best: _Best) -> None:
     problem.final_setup()
 
 
-def _result(
-    problem: om.Problem, aircraft: Aircraft, limits, goal: Goal, before, after, outcome
-) -> dict[str, Any]:
+def _result(problem: om.Problem, aircraft: Aircraft, limits, goal: Goal, before, after, outcome) -> dict[str, Any]:
     """Everything that is said of a finished run."""
     constraints, variables = constraint_rows(problem, limits), variable_rows(problem, aircraft)
     optimality = multipliers(problem, aircraft, goal, constraints, variables)

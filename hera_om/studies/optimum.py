@@ -54,9 +54,7 @@ def variable_rows(problem: om.Problem, aircraft: Aircraft) -> dict[str, dict[str
     return out
 
 
-def multipliers(
-    problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints, variables
-) -> dict[str, float]:
+def multipliers(problem: om.Problem, aircraft: Aircraft, goal: Goal, constraints, variables) -> dict[str, float]:
     """Fill in the multipliers and return how well the conditions of Karush, Kuhn and Tucker hold.
 
     At an optimum the objective's gradient is a sum of the active constraints' outward gradients with factors

@@ -80,16 +80,12 @@ def train(
     begun, box = perf_counter(), sample_box(aircraft)
     lower, upper = (np.array(side) for side in zip(*box.values(), strict=True))
     unseen = max(2, round(UNSEEN * samples))
-    x = np.vstack(
-        [latin_hypercube(samples, lower, upper, seed), latin_hypercube(unseen, lower, upper, seed + 1)]
-    )
+    x = np.vstack([latin_hypercube(samples, lower, upper, seed), latin_hypercube(unseen, lower, upper, seed + 1)])
     names, y, kept = _analyse(aircraft, list(box), x, progress)
     if kept.mean() < LEAST_KEPT:
         raise AnalysisFailure(f"{np.sum(~kept)} of {len(kept)} sample analyses failed", where="train")
     seen = np.arange(len(x)) < samples
-    sizes = {
-        name: int(np.prod(meta["shape"])) for kind, name, meta in interface(aircraft) if kind == "output"
-    }
+    sizes = {name: int(np.prod(meta["shape"])) for kind, name, meta in interface(aircraft) if kind == "output"}
     units = {name: meta["units"] for _, name, meta in interface(aircraft)}
     analysed = perf_counter() - begun
     models = fit(

@@ -60,9 +60,7 @@ def trim(
         result, problem = run(aircraft, source, load_factor, record, progress)
         if record is not None:
             record.snapshot("optimum", snapshot(aircraft, problem))
-            record.result(
-                {"optimum": result["values"], "success": result["trimmed"], "feasible": result["trimmed"]}
-            )
+            record.result({"optimum": result["values"], "success": result["trimmed"], "feasible": result["trimmed"]})
     return {"aircraft": aircraft.name, "hash": definition_hash(aircraft), "method": method, **result}
 
 
@@ -84,12 +82,8 @@ def _solve(aircraft: Aircraft, source, load_factor: float, record, progress):
     problem = om.Problem(reports=False)
     model = problem.model
     model.add_subsystem("mass_properties", MassProperties(aircraft=aircraft), promotes=["*"])
-    point = TrimPoint(
-        aircraft=aircraft, aero=source, powered=bool(aircraft.rotor), load_factor=float(load_factor)
-    )
-    model.add_subsystem(
-        "cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"]
-    )
+    point = TrimPoint(aircraft=aircraft, aero=source, powered=bool(aircraft.rotor), load_factor=float(load_factor))
+    model.add_subsystem("cruise", point, promotes_inputs=["*", ("mass", "mass_cruise")], promotes_outputs=["*"])
     stability = Stability(aircraft=aircraft)
     model.add_subsystem("stability", stability, promotes=["*"])
     problem.setup()
@@ -107,9 +101,7 @@ def _solve(aircraft: Aircraft, source, load_factor: float, record, progress):
     left = {n: float(v[0]) for n, v in _residuals(point.balance).items()}
     result = _result(problem, trimmed, saturated(point.balance), bounds, left)
     if not trimmed:  # what follows the trim has not run
-        result["values"] = {
-            k: v for k, v in result["values"].items() if k not in stability._var_rel_names["output"]
-        }
+        result["values"] = {k: v for k, v in result["values"].items() if k not in stability._var_rel_names["output"]}
     return result, problem
 
 
@@ -134,9 +126,7 @@ def _optimise(aircraft: Aircraft, source, load_factor: float, record, progress):
     stuck = [n for n, (low, high) in bounds.items() if min(values[n] - low, high - values[n]) < 1e-6]
     closed = all(abs(v) < TRIM_BALANCE for v in left.values())
     if progress is not None:
-        progress(
-            int(done.iter_count), values[TRIM_GOAL.name], max(map(abs, left.values())), float(done.runtime)
-        )
+        progress(int(done.iter_count), values[TRIM_GOAL.name], max(map(abs, left.values())), float(done.runtime))
     result = _result(problem, closed, stuck, bounds, left)
     return result | {"iterations": int(done.iter_count), "evaluations": int(done.model_evals)}, problem
 

@@ -60,7 +60,4 @@ def outside(
     """
     margin = TOLERANCE * (upper - lower)
     inside = (x >= lower - margin) & (x <= upper + margin)
-    return [
-        Outside(names[i], float(x[i]), float(lower[i]), float(upper[i]))
-        for i in map(int, np.flatnonzero(~inside))
-    ]
+    return [Outside(names[i], float(x[i]), float(lower[i]), float(upper[i])) for i in map(int, np.flatnonzero(~inside))]

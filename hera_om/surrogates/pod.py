@@ -18,9 +18,7 @@ class Pod(NamedTuple):
     modes: Float[np.ndarray, "s k"]
 
 
-def decompose(
-    y: Float[np.ndarray, "n s"], tolerance: float = TOLERANCE
-) -> tuple[Pod, Float[np.ndarray, "n k"]]:
+def decompose(y: Float[np.ndarray, "n s"], tolerance: float = TOLERANCE) -> tuple[Pod, Float[np.ndarray, "n k"]]:
     """Fewest modes that reproduce the samples to the tolerance, and the score of each sample on them.
 
     The modes are the leading right singular vectors of the centred samples (Sirovich 1987; Eckart and Young

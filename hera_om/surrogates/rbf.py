@@ -77,9 +77,7 @@ def select(model: RbfModel, outputs: Sequence[int]) -> RbfModel:
     return RbfModel(model.points, model.width[chosen], *per_output)
 
 
-def choose_width(
-    unit: Float[np.ndarray, "n d"], y: Float[np.ndarray, "n m"], seed: int
-) -> Float[np.ndarray, " m"]:
+def choose_width(unit: Float[np.ndarray, "n d"], y: Float[np.ndarray, "n m"], seed: int) -> Float[np.ndarray, " m"]:
     """The width of least squared error in FOLDS-fold cross-validation, for each column of y."""
     fold = np.random.default_rng(seed).permutation(unit.shape[0]) % FOLDS
     errors = np.zeros((len(WIDTHS), y.shape[1]))

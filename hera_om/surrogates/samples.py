@@ -33,9 +33,7 @@ class Samples(NamedTuple):
 def shape_problems(samples: Samples, inputs: int, outputs: int) -> list[Problem]:
     """Tables that are not tables, or whose rows and columns do not fit each other and the names."""
     problems = []
-    for name, table, columns in zip(
-        samples._fields, samples, (inputs, outputs, inputs, outputs), strict=True
-    ):
+    for name, table, columns in zip(samples._fields, samples, (inputs, outputs, inputs, outputs), strict=True):
         if table.ndim != 2 or table.shape[1] != columns:
             problems.append(Problem(name, "shape", table.shape, f"a table of {columns} columns"))
     least = {"x": 2 * (inputs + 1), "x_test": 2}

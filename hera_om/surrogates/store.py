@@ -166,9 +166,7 @@ def _check_shapes(header: dict[str, Any], content: dict[str, np.ndarray]) -> Non
             raise ValueError(f"{key} has {len(header[key])} entries, not {count}")
     if not set(header["kinds"]) <= set(get_args(Kind)):
         raise ValueError(f"kinds are {header['kinds']}, not all among {get_args(Kind)}")
-    if [kind in models for kind, models in zip(header["kinds"], header["quality"], strict=True)] != [
-        True
-    ] * outputs:
+    if [kind in models for kind, models in zip(header["kinds"], header["quality"], strict=True)] != [True] * outputs:
         raise ValueError("quality of a chosen model is missing")
     n, tests = len(content["samples.x"]), len(content["samples.x_test"])
     k, r = len(content["kriging.mean"]), len(content["rbf.constant"])

@@ -154,6 +154,4 @@ class SurrogateSet:
 
 def outside(surrogates: SurrogateSet, x: ArrayLike) -> list[domain.Outside]:
     """Every input of one point x [d] that lies outside the box of the training samples; see ``domain``."""
-    return domain.outside(
-        surrogates.input_names, np.asarray(x, dtype=float), surrogates.lower, surrogates.upper
-    )
+    return domain.outside(surrogates.input_names, np.asarray(x, dtype=float), surrogates.lower, surrogates.upper)

@@ -153,9 +153,7 @@ def _checked(
 ) -> Samples:
     """Samples that can be trained on, without repeated points."""
     if len(input_names) != len(lower):
-        _refuse(
-            [Problem("surrogate", "lower, upper", len(lower), f"{len(input_names)} bounds, one an input")]
-        )
+        _refuse([Problem("surrogate", "lower, upper", len(lower), f"{len(input_names)} bounds, one an input")])
     columns = [
         name if size == 1 else f"{name}[{i}]"
         for name, size in zip(output_names, sizes, strict=True)
@@ -191,9 +189,7 @@ def _label(output: _Output, mode: int) -> str:
     return output.name if count == 1 else f"{output.name} (mode {mode + 1} of {count})"
 
 
-def _judge(
-    output: _Output, unseen: dict[Kind, Float[np.ndarray, "n k"]], samples: Samples
-) -> dict[Kind, Quality]:
+def _judge(output: _Output, unseen: dict[Kind, Float[np.ndarray, "n k"]], samples: Samples) -> dict[Kind, Quality]:
     """Quality of each model of one output on the unseen points."""
     actual, trained_on = samples.y_test[:, output.columns], samples.y[:, output.columns]
     if output.pod.modes.shape[1] == 0:

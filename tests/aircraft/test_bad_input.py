@@ -137,9 +137,7 @@ def test_good_text_has_no_fault():
 
 
 def test_fault_alone_is_reported_alone():
-    alone = [
-        row for row in ONE_FAULT if row[0] in ("[flight]", "[wing.structure]", "[fuselage]", "[[blade]]")
-    ]
+    alone = [row for row in ONE_FAULT if row[0] in ("[flight]", "[wing.structure]", "[fuselage]", "[[blade]]")]
     for table, key, new, *_ in alone:
         if "match" not in new:
             assert len(report(edit(table, key, new)).problems) == 1, new
@@ -287,9 +285,7 @@ path = "rotor.hybrid.y_m"
 lower = 4.0
 upper = 4.4
 """
-    text = edit(
-        "[[variables]]:y_prop", "lower", "lower = 7.44", TEXT.replace("# Rough checks", second + "# Rough")
-    )
+    text = edit("[[variables]]:y_prop", "lower", "lower = 7.44", TEXT.replace("# Rough checks", second + "# Rough"))
     (problem,) = report(text).problems
     assert problem.key == "rotor.electric.y_m"
     assert "y_prop = 7.44" in problem.expected and "y_hybrid = 4.4" in problem.expected
@@ -340,9 +336,7 @@ def test_overrides_are_applied_and_may_add_what_is_absent():
     assert aircraft.flight.speed_m_s == 150.0
     assert aircraft.wing_material().Fty_Pa == 4.0e8
     assert aircraft.reference.S_m2 == 71.0 and type(aircraft.reference.S_m2) is float
-    assert (
-        load_aircraft("wing_rotor", {"reference.S_m2": 50.0}).reference.S_m2 == 50.0
-    )  # the table was absent
+    assert load_aircraft("wing_rotor", {"reference.S_m2": 50.0}).reference.S_m2 == 50.0  # the table was absent
 
 
 def test_faults_of_overrides_and_file_come_together(tmp_path):
@@ -404,9 +398,7 @@ def test_any_bytes(tmp_path, data):
 
 VALUES = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False).map(repr),
-    st.sampled_from(
-        ["nan", "-inf", "1e400", "-0.0", "1" + "0" * 400, "true", "[]", "{}", "[[1]]", "07:32:00", '""']
-    ),
+    st.sampled_from(["nan", "-inf", "1e400", "-0.0", "1" + "0" * 400, "true", "[]", "{}", "[[1]]", "07:32:00", '""']),
     st.integers().map(str),
     st.from_regex(r"[A-Za-z0-9 ._:-]{0,12}", fullmatch=True).map(lambda s: f'"{s}"'),
 )

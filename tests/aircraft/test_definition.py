@@ -159,9 +159,7 @@ def test_values_are_those_of_the_reference_file(hera, source):
 
 
 def test_tags_stay_beside_the_numbers():
-    text = (Path(sys.modules["hera_om.aircraft"].__file__).parent / "data" / "hera_like.toml").read_text(
-        "utf-8"
-    )
+    text = (Path(sys.modules["hera_om.aircraft"].__file__).parent / "data" / "hera_like.toml").read_text("utf-8")
     reference = (Path(__file__).parents[1] / "reference" / "hera_like.toml").read_text("utf-8")
     for tag in ("[P]", "[ATR]", "[FAST]", "[RC]", "[HERA]", "[TUD]", "[D]", "[C]"):
         assert text.count(tag) >= reference.count(tag) - 2, tag  # a comment or two were merged

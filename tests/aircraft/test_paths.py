@@ -88,9 +88,7 @@ def test_replacing_takes_any_object_and_does_not_validate(hera):
     thing = object()
     assert replace_numbers(hera, {"rotor.electric.y_m": thing}).rotor[1].y_m is thing
     assert replace_numbers(hera, {"blade.main.r.4": -7}).blade[0].r[4] == -7
-    assert (
-        numbers(replace_numbers(hera, {"flight.mach": 1}))["flight.mach"] == 1
-    )  # an int is still a number's value
+    assert numbers(replace_numbers(hera, {"flight.mach": 1}))["flight.mach"] == 1  # an int is still a number's value
 
 
 @pytest.mark.parametrize(

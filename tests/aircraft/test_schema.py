@@ -11,9 +11,7 @@ from hera_om.aircraft.fields import key_at, keys_of, tables_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "definition.md"
 EVERY_KEY = [
-    (f"{path}.{name}".lstrip("."), key)
-    for path, part, _ in tables_of(Aircraft)
-    for name, key in keys_of(part).items()
+    (f"{path}.{name}".lstrip("."), key) for path, part, _ in tables_of(Aircraft) for name, key in keys_of(part).items()
 ]
 
 

@@ -66,9 +66,7 @@ def test_full_phugoid_tends_to_lanchesters(ready):
 
 def test_planform_gives_the_reference_that_is_not_given(ready):
     hera = load_aircraft("hera_like")
-    free = hera.model_copy(
-        update={"reference": hera.reference.model_copy(update={"S_m2": None, "c_m": None})}
-    )
+    free = hera.model_copy(update={"reference": hera.reference.model_copy(update={"S_m2": None, "c_m": None})})
     given, derived = outputs(ready, hera), outputs(ready, free)
     assert derived["omega_sp"] == pytest.approx(given["omega_sp"], rel=1e-3)  # the file rounds S and c
     assert "y_kink" not in ready(Stability(aircraft=hera))[1]
@@ -85,7 +83,5 @@ def test_partials(ready, check_partials, boeing):
 
 
 def test_missing_reference_is_named():
-    with pytest.raises(
-        ValueError, match=r"'rotor_alone' has no stability: there is no wing, and no reference.S"
-    ):
+    with pytest.raises(ValueError, match=r"'rotor_alone' has no stability: there is no wing, and no reference.S"):
         Stability(aircraft=load_aircraft("rotor_alone"))

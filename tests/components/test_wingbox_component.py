@@ -18,8 +18,7 @@ def hera():
     """The reference aircraft on a coarse lattice, the hybrid units on the wing too."""
     aircraft = load_aircraft("hera_like")
     mass = [
-        m.model_copy(update={"tracks": "rotor:hybrid"}) if m.name == "hybrid_units_both" else m
-        for m in aircraft.mass
+        m.model_copy(update={"tracks": "rotor:hybrid"}) if m.name == "hybrid_units_both" else m for m in aircraft.mass
     ]
     lattice = Lattice(wing_spanwise=STRIPS, box_stations=STATIONS)
     return aircraft.model_copy(update={"mass": tuple(mass), "lattice": lattice})
@@ -132,9 +131,7 @@ def test_the_remainder_is_frozen_at_the_baseline(hera, baseline):
 
 
 def test_an_absurd_load_names_bay_and_criterion(hera):
-    with pytest.raises(
-        om.AnalysisError, match=r"box: bay \d of 8 at y = .* (skin|web), (von Mises|buckling)"
-    ):
+    with pytest.raises(om.AnalysisError, match=r"box: bay \d of 8 at y = .* (skin|web), (von Mises|buckling)"):
         run(hera, load={"pull_up": 2000.0})
 
 
@@ -157,9 +154,7 @@ def test_a_wing_without_rotors_masses_and_tank(hera):
 
 
 def test_missing_parts_are_named(hera):
-    with pytest.raises(
-        ValueError, match=r"'wing_alone' has no wing box: there is no \[wing.structure\] and no"
-    ):
+    with pytest.raises(ValueError, match=r"'wing_alone' has no wing box: there is no \[wing.structure\] and no"):
         WingBox(aircraft=load_aircraft("wing_alone"))
     with pytest.raises(ValueError, match=r"there is no \[wing\] and no \[wing.structure\]"):
         WingBox(aircraft=load_aircraft("rotor_alone"))
@@ -174,9 +169,7 @@ def test_partials(hera, check_partials):
     edges = problem.get_val("pullup_strip_edge")
     values = loads_of(edges) | {"y_kink": 6.2, "y_prop": 8.7, "A_cap_root": 2.7e-3, "m_wing_relief": 2900.0}
     for prefix in ("pullup_", "cruise_"):
-        values[f"{prefix}strip_force"] = values[f"{prefix}strip_force"] * random.uniform(
-            0.9, 1.1, (STRIPS, 3)
-        )
+        values[f"{prefix}strip_force"] = values[f"{prefix}strip_force"] * random.uniform(0.9, 1.1, (STRIPS, 3))
         values[f"{prefix}strip_force"][:, 0] = random.uniform(-300.0, 300.0, STRIPS)
         values[f"{prefix}rotor_moment"] = random.uniform(-3e3, 3e3, (3, 3))
     for name, value in values.items():

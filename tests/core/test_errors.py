@@ -6,9 +6,7 @@ from hera_om.core.errors import AnalysisFailure, HeraError, InputError, Problem,
 
 
 def test_report_has_one_line_for_each_problem():
-    error = InputError(
-        [Problem("a.toml", "wing.x_m", "far", "a number [m]"), Problem("a.toml", "", "empty", "TOML")]
-    )
+    error = InputError([Problem("a.toml", "wing.x_m", "far", "a number [m]"), Problem("a.toml", "", "empty", "TOML")])
     head, first, second = str(error).splitlines()
     assert head == "2 errors in the input"
     assert first == "a.toml: wing.x_m: got 'far', expected a number [m]"

@@ -33,9 +33,7 @@ def check_derivatives():
         assert np.all(np.isfinite(first)) and np.max(np.abs(first)) > 0.0
         expected = _richardson(jax.jit(function), x, steps)
         np.testing.assert_allclose(first, expected, rtol=0, atol=rtol * np.max(np.abs(expected)))
-        np.testing.assert_allclose(
-            jax.jit(jax.jacrev(function))(x), first, rtol=0, atol=1e-12 * np.max(np.abs(first))
-        )
+        np.testing.assert_allclose(jax.jit(jax.jacrev(function))(x), first, rtol=0, atol=1e-12 * np.max(np.abs(first)))
         second = np.asarray(jax.jit(jax.jacfwd(jax.jacfwd(function)))(x))
         expected = _richardson(jacobian, x, steps)
         np.testing.assert_allclose(second, expected, rtol=0, atol=rtol * max(np.max(np.abs(expected)), 1e-12))

@@ -65,9 +65,7 @@ def wing_tail(reference, density=1.0, span="avl"):
     edges = [np.linspace(a, b, n + 1)[1:] for a, b, n in zip(ENDS[:-1], ENDS[1:], counts, strict=True)]
     edges = np.concatenate([[0.0], *edges])
     wing = avl_sections(data["wing"]["sections"], edges)
-    grid = make_grid(
-        edges, ["NACA 2412"] * len(edges), nc=nc, ns=len(edges) - 1, span="uniform", chord="cosine"
-    )
+    grid = make_grid(edges, ["NACA 2412"] * len(edges), nc=nc, ns=len(edges) - 1, span="uniform", chord="cosine")
     y, x, z, chord, _ = np.asarray(data["htp"]["sections"]).T
     tail = Sections(*[jnp.asarray(v) for v in (x, y, z, chord, np.zeros(2))])
     cut = make_grid(y, ["flat"] * 2, nc=nc, ns=round(16 * density), span="sine", chord="cosine")
@@ -171,9 +169,7 @@ def small_rotors(sense="inboard-up"):
     hub = jnp.array([[3.6, y, -0.1] for y in HUB_Y])
     tables = [jnp.tile(jnp.asarray(v), (2, 1)) for v in TABLE]
     sign = sense_sign(sense, 1.0) * ones
-    return Rotors(
-        hub, 0.02 * ones, RADIUS * ones, 0.25 * ones, *tables, polar, 6.0 * ones, 130.0 * ones, sign
-    )
+    return Rotors(hub, 0.02 * ones, RADIUS * ones, 0.25 * ones, *tables, polar, 6.0 * ones, 130.0 * ones, sign)
 
 
 def small_flow():
@@ -218,9 +214,7 @@ def test_power_on_derivatives_hold_the_response_of_the_slipstream(power_on):
 
     expected = np.zeros((7, 5))
     for i, direction in enumerate(np.eye(5)):
-        wide, narrow = (
-            (totals(base + h * direction) - totals(base - h * direction)) / (2 * h) for h in (2e-3, 1e-3)
-        )
+        wide, narrow = ((totals(base + h * direction) - totals(base - h * direction)) / (2 * h) for h in (2e-3, 1e-3))
         expected[:, i] = (4 * narrow - wide) / 3
     found = np.r_[np.asarray(power_on.derivatives), np.asarray(power_on.thrust_by)]
     for mine, theirs in zip(found, expected, strict=True):
@@ -242,9 +236,7 @@ def test_hub_loads_are_in_CX_CZ_and_Cm_but_not_in_CL_and_CD(power_on):
 
 def test_drag_parts_add_up(power_on):
     d = power_on.drag
-    assert float(d.CDi_near + d.CD_slipstream + d.CD_profile + d.CD_areas) == pytest.approx(
-        float(power_on.total.CD)
-    )
+    assert float(d.CDi_near + d.CD_slipstream + d.CD_profile + d.CD_areas) == pytest.approx(float(power_on.total.CD))
     assert float(d.CD_profile) > 0.006
     # one area in the free stream, one in the developed slipstream of the first rotor
     jet = (1 + 2 * float(np.mean(np.asarray(power_on.wake.axial)[0]))) ** 2

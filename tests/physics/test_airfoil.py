@@ -41,9 +41,7 @@ def test_five_digits_against_a_worked_example():
 
 def test_the_first_digit_of_five_scales_the_line():
     x = np.linspace(0.0, 1.0, 11)
-    np.testing.assert_allclose(
-        camber_line("43018", x), 2 * np.asarray(camber_line("NACA 23012", x)), rtol=1e-14
-    )
+    np.testing.assert_allclose(camber_line("43018", x), 2 * np.asarray(camber_line("NACA 23012", x)), rtol=1e-14)
 
 
 @pytest.mark.parametrize("name", ["flat", "Flat", "NACA 0012"])

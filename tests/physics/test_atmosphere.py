@@ -29,9 +29,7 @@ def test_cruise_of_the_reference_aircraft():
     # hera_like.toml prints V 158.0 m/s, rho 0.6527 and q 8149 Pa at Mach 0.5 and 6096 m
     air = isa(6096.0)
     speed = 0.5 * air.sound_speed
-    np.testing.assert_allclose(
-        [speed, air.density, 0.5 * air.density * speed**2], [158.0, 0.6527, 8149.0], rtol=2e-4
-    )
+    np.testing.assert_allclose([speed, air.density, 0.5 * air.density * speed**2], [158.0, 0.6527, 8149.0], rtol=2e-4)
 
 
 @pytest.mark.parametrize("altitude", [3000.0, 14000.0])
@@ -42,9 +40,7 @@ def test_hydrostatic_balance(altitude):
 
 def test_pressure_and_its_slope_pass_the_tropopause_without_a_step():
     heights = jnp.asarray([11000.0 - 1e-6, 11000.0 + 1e-6])
-    below, above = jax.vmap(lambda h: jnp.stack([isa(h).pressure, jax.jacfwd(lambda z: isa(z).pressure)(h)]))(
-        heights
-    )
+    below, above = jax.vmap(lambda h: jnp.stack([isa(h).pressure, jax.jacfwd(lambda z: isa(z).pressure)(h)]))(heights)
     np.testing.assert_allclose(below, above, rtol=1e-8)
 
 

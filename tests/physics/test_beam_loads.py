@@ -53,14 +53,10 @@ def test_cantilever_under_uniform_load():
 
 
 def test_elliptic_load_acts_at_four_over_three_pi(reference):
-    value = tomllib.loads((reference / "structures_closed_form.toml").read_text())["elliptic_load_semispan"][
-        "value"
-    ]
+    value = tomllib.loads((reference / "structures_closed_form.toml").read_text())["elliptic_load_semispan"]["value"]
     y = jnp.linspace(0.5, SPAN, N)
     edges = SPAN * jnp.sin(jnp.linspace(0.0, jnp.pi / 2, 101))
-    loads = section_loads(
-        y, straight_axis(y), lift_strips(edges, lambda s: 1e4 * jnp.sqrt(1 - (s / SPAN) ** 2))
-    )
+    loads = section_loads(y, straight_axis(y), lift_strips(edges, lambda s: 1e4 * jnp.sqrt(1 - (s / SPAN) ** 2)))
     whole = 1e4 * np.pi / 4 * SPAN
 
     def outboard(eta):  # lift and first moment outboard of eta, exact
@@ -84,9 +80,7 @@ def test_signs_of_bending_and_torsion():
     y = jnp.linspace(0.0, SPAN, N)
     axis = straight_axis(y, x=2.0, z=1.0)
     lift_ahead = section_loads(y, axis, single([1.5, 5.0, 1.0], [0.0, 0.0, 100.0]))
-    np.testing.assert_allclose(
-        [lift_ahead.V[0], lift_ahead.M[0], lift_ahead.T[0]], [100.0, 500.0, 50.0], rtol=1e-9
-    )
+    np.testing.assert_allclose([lift_ahead.V[0], lift_ahead.M[0], lift_ahead.T[0]], [100.0, 500.0, 50.0], rtol=1e-9)
     # Thrust (forward, -x) below the axis turns the nose up; thrust bends the tip forward.
     thrust = section_loads(y, axis, single([0.0, 5.0, 0.7], [-100.0, 0.0, 0.0]))
     np.testing.assert_allclose([thrust.T[0], thrust.Mz[0], thrust.H[0]], [30.0, 500.0, -100.0], rtol=1e-9)

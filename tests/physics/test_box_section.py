@@ -64,9 +64,7 @@ def test_thin_rectangular_box_by_hand():
 
 def test_unequal_covers_caps_and_stringers_by_parallel_axes():
     cap, stringer, number = 2e-3, 3e-4, 5.0
-    section = section_properties(
-        rectangle(), members(cap, stringer, number), sheets(0.005, 0.002, 0.004, 0.003)
-    )
+    section = section_properties(rectangle(), members(cap, stringer, number), sheets(0.005, 0.002, 0.004, 0.003))
     depth, sink = (
         float(z_stringer(jnp.asarray([stringer])).centroid[0]),
         float(cap_depth(jnp.asarray([cap]))[0]),

@@ -56,9 +56,7 @@ def test_interaction_curves_are_met_at_the_reserve_factor(r_direct, r_shear):
 
 def test_von_mises_brazier_and_euler(closed_forms):
     case = closed_forms["von_mises"]
-    assert float(buckling.von_mises(case["sx"], case["sy"], case["txy"])) == pytest.approx(
-        case["sv"], rel=1e-8
-    )
+    assert float(buckling.von_mises(case["sx"], case["sy"], case["txy"])) == pytest.approx(case["sv"], rel=1e-8)
     box = closed_forms["brazier_box"]
     pressure = buckling.brazier_pressure(box["sigma_Pa"], box["t_e"], box["h"], modulus=box["E"])
     assert float(pressure) == pytest.approx(box["p_Pa"], rel=1e-8)

@@ -41,11 +41,7 @@ def printed(reference, standard):
 
 
 def held(rows, standard):
-    return [
-        (c.quantity, c.lower, c.upper, c.categories, c.classes, c.level)
-        for c in rows
-        if c.standard == standard
-    ]
+    return [(c.quantity, c.lower, c.upper, c.categories, c.classes, c.level) for c in rows if c.standard == standard]
 
 
 @pytest.mark.parametrize("standard", [MIL, DEF_STAN])

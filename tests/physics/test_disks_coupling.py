@@ -93,9 +93,7 @@ def test_points_of_the_disk_lie_in_its_plane_at_their_radii():
     points = np.asarray(disk_points(rotor(), PLAN))[0] - np.array([-1.6, 3.0, 0.2])
     np.testing.assert_allclose(points @ np.asarray(shaft_axes(jnp.array([0.1])))[0, 0], 0.0, atol=1e-14)
     radii = np.asarray(blades(rotor(), PLAN).r)[0]
-    np.testing.assert_allclose(
-        np.linalg.norm(points, axis=-1), np.repeat(radii[:, None], 4, axis=1), rtol=1e-12
-    )
+    np.testing.assert_allclose(np.linalg.norm(points, axis=-1), np.repeat(radii[:, None], 4, axis=1), rtol=1e-12)
 
 
 def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
@@ -104,9 +102,7 @@ def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
     velocity = jnp.broadcast_to(90.0 * axes[0], (1, 4, 4, 3))
     load = jax.jit(lambda v: rotor_loads(rotor(), PLAN, v, pitch=jnp.array([PITCH]), flow=flow()))(velocity)
     np.testing.assert_allclose(load.force[0] / load.thrust[0], -axes[0], atol=1e-10)
-    np.testing.assert_allclose(
-        load.moment[0] / load.torque[0], axes[0], atol=1e-10
-    )  # inboard-up turns negatively
+    np.testing.assert_allclose(load.moment[0] / load.torque[0], axes[0], atol=1e-10)  # inboard-up turns negatively
 
 
 def test_the_mirrored_rotor_blows_the_mirrored_way():

@@ -64,9 +64,7 @@ def turned(derivatives, flight, angle):
     for suffix in ("alpha", "u", "q", "alphadot"):
         # components along the path (drag, lift) to components along x aft, z up; fixed directions
         drag, lift = values[f"CX_{suffix}"], values[f"CZ_{suffix}"]
-        d = d._replace(
-            **{f"CX_{suffix}": drag * cosine - lift * sine, f"CZ_{suffix}": drag * sine + lift * cosine}
-        )
+        d = d._replace(**{f"CX_{suffix}": drag * cosine - lift * sine, f"CZ_{suffix}": drag * sine + lift * cosine})
     return d, flight._replace(alpha=angle, theta=flight.theta + angle)
 
 
@@ -81,9 +79,7 @@ def test_boeing_modes_from_its_derivatives(reference):
     derivatives, flight, size, _ = boeing(reference)
     modes = longitudinal_modes(longitudinal_state_matrix(derivatives, flight, **size))
     # published: short period -0.3719 +- 0.8875i, phugoid -0.003289 +- 0.06723i
-    np.testing.assert_allclose(
-        [modes.short_period.omega, modes.short_period.zeta], [0.9623, 0.3865], rtol=2e-3
-    )
+    np.testing.assert_allclose([modes.short_period.omega, modes.short_period.zeta], [0.9623, 0.3865], rtol=2e-3)
     np.testing.assert_allclose([modes.phugoid.omega, modes.phugoid.zeta], [0.06731, 0.04887], rtol=5e-3)
 
 
@@ -111,9 +107,7 @@ def test_boeing_short_period_needs_alpha_dot(reference):
 def test_boeing_modes_do_not_depend_on_the_axes(reference):
     derivatives, flight, size, _ = boeing(reference)
     here = longitudinal_modes(longitudinal_state_matrix(derivatives, flight, **size))
-    there = longitudinal_modes(
-        longitudinal_state_matrix(*turned(derivatives, flight, np.radians(5.0)), **size)
-    )
+    there = longitudinal_modes(longitudinal_state_matrix(*turned(derivatives, flight, np.radians(5.0)), **size))
     np.testing.assert_allclose(jax.tree.leaves(there), jax.tree.leaves(here), rtol=1e-9)
 
 
@@ -222,9 +216,7 @@ def test_the_reduced_order_stays_finite_through_neutral_stability(reference, Cm_
     value, slope = jax.value_and_grad(omega)(jnp.asarray(Cm_alpha))
     # omega^2 = -m_alpha / I without damping in pitch: negative omega is divergence
     pitch = 0.5 * 0.3045 * 235.9**2 * 511.0 * 8.324 / 0.449e8
-    np.testing.assert_allclose(
-        value, -np.sign(Cm_alpha) * np.sqrt(pitch * abs(Cm_alpha)), rtol=1e-6, atol=1e-9
-    )
+    np.testing.assert_allclose(value, -np.sign(Cm_alpha) * np.sqrt(pitch * abs(Cm_alpha)), rtol=1e-6, atol=1e-9)
     assert np.isfinite(slope) and slope < 0.0
 
 

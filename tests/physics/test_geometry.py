@@ -30,9 +30,7 @@ def cut(y=(0.0, 4.0), airfoil="flat", **changes):
 def test_spacing_laws():
     half = np.sqrt(0.5)
     np.testing.assert_allclose(spacing("uniform", 2), [0.0, 0.5, 1.0])
-    np.testing.assert_allclose(
-        spacing("cosine", 4), [0.0, (1 - half) / 2, 0.5, (1 + half) / 2, 1.0], atol=1e-15
-    )
+    np.testing.assert_allclose(spacing("cosine", 4), [0.0, (1 - half) / 2, 0.5, (1 + half) / 2, 1.0], atol=1e-15)
     np.testing.assert_allclose(spacing("sine", 2), [0.0, half, 1.0], atol=1e-15)
     with pytest.raises(KeyError):
         spacing("random", 3)
@@ -92,14 +90,10 @@ def test_normals_by_hand(shape):
     twist, dihedral = 0.1, 0.2
     grid = cut()._replace(hinge_share=np.ones((3, 4)))
     plain = make_panels(sections(twist=(twist, twist), x=(0.0, 0.0), chord=(1.0, 1.0)), grid, shape)
-    np.testing.assert_allclose(
-        plain.normal, np.broadcast_to([np.sin(twist), 0, np.cos(twist)], (3, 4, 3)), atol=1e-14
-    )
+    np.testing.assert_allclose(plain.normal, np.broadcast_to([np.sin(twist), 0, np.cos(twist)], (3, 4, 3)), atol=1e-14)
     hinged = np.broadcast_to([np.cos(twist), 0, -np.sin(twist)], (3, 4, 3))
     np.testing.assert_allclose(plain.normal_hinge, hinged, atol=1e-14)
-    raised = make_panels(
-        sections(z=(0.0, 4.0 * np.tan(dihedral)), x=(0.0, 0.0), chord=(1.0, 1.0)), grid, shape
-    )
+    raised = make_panels(sections(z=(0.0, 4.0 * np.tan(dihedral)), x=(0.0, 0.0), chord=(1.0, 1.0)), grid, shape)
     expected = np.broadcast_to([0, -np.sin(dihedral), np.cos(dihedral)], (3, 4, 3))
     np.testing.assert_allclose(raised.normal, expected, atol=1e-14)
     np.testing.assert_allclose(raised.strip_width, 1.0 / np.cos(dihedral), rtol=1e-12)
@@ -108,9 +102,7 @@ def test_normals_by_hand(shape):
 def test_rings_start_at_the_quarter_and_conditions_stand_at_three_quarters_of_a_panel():
     panels = make_panels(sections(x=(0.0, 0.0), chord=(3.0, 3.0)), cut())
     np.testing.assert_allclose(panels.rings[:, 0, 0], [0.25, 1.25, 2.25, 3.0], rtol=1e-12)
-    np.testing.assert_allclose(
-        panels.collocation[:, 0], [[0.75, 0.5, 0], [1.75, 0.5, 0], [2.75, 0.5, 0]], atol=1e-14
-    )
+    np.testing.assert_allclose(panels.collocation[:, 0], [[0.75, 0.5, 0], [1.75, 0.5, 0], [2.75, 0.5, 0]], atol=1e-14)
     np.testing.assert_allclose(panels.strip_edges[:, 0], 0.75, rtol=1e-12)
 
 
@@ -125,8 +117,6 @@ def test_derivatives(check_derivatives, shape):
 
     def run(v):
         p = make_panels(sections(twist=(v[0], v[1]), chord=(2.0, v[2]), z=(0.0, v[3])), grid, shape)
-        return jnp.concatenate(
-            [q.ravel() for q in (p.rings, p.collocation, p.normal, p.normal_hinge, p.strip_width)]
-        )
+        return jnp.concatenate([q.ravel() for q in (p.rings, p.collocation, p.normal, p.normal_hinge, p.strip_width)])
 
     check_derivatives(run, [0.05, -0.03, 1.2, 0.4])

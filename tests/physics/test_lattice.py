@@ -115,14 +115,11 @@ def simple_wing_rows(reference, shape=FLAT, tolerance=None):
 
 def simple_wing_derivative_rows(reference):
     """Longitudinal derivatives of run 1 (run 11 there); AVL prints six decimals."""
-    printed = {
-        row["derivative"]: float(row["value"]) for row in table(reference / "avl_simplewing_derivatives.csv")
-    }
+    printed = {row["derivative"]: float(row["value"]) for row in table(reference / "avl_simplewing_derivatives.csv")}
     by = simple_wing().by
     ours = {"CLalpha": by[0, 0], "Cmalpha": by[3, 0], "Cmq": by[3, 1]}
     return [
-        ("AVL simple wing, run 1", k, printed[k], float(v), tolerance_of(printed[k], 6), AVL)
-        for k, v in ours.items()
+        ("AVL simple wing, run 1", k, printed[k], float(v), tolerance_of(printed[k], 6), AVL) for k, v in ours.items()
     ]
 
 
@@ -131,9 +128,7 @@ def strip_rows(reference):
     printed = [float(row["cl"]) for row in table(reference / "avl_strip_cl.csv")]
     cl = [float(v) for v in simple_wing().cl]
     pairs = enumerate(zip(printed, cl, strict=True), 1)
-    return [
-        ("AVL simple wing, run 1", f"cl of strip {i}", a, b, tolerance_of(a, 4), AVL) for i, (a, b) in pairs
-    ]
+    return [("AVL simple wing, run 1", f"cl of strip {i}", a, b, tolerance_of(a, 4), AVL) for i, (a, b) in pairs]
 
 
 def planar_cases(reference):
@@ -186,9 +181,7 @@ def elliptic_rows(reference):
         if row["AR"] in ("6", "12", "20"):
             value = float(row["CDi_at_CL0p5"])
             ours = value * float(elliptic(float(row["AR"]), 40))
-            out.append(
-                (f"elliptic wing, AR {row['AR']}", "CDi at CL 0.5", value, ours, 0.005, "CL^2 / (pi AR)")
-            )
+            out.append((f"elliptic wing, AR {row['AR']}", "CDi at CL 0.5", value, ours, 0.005, "CL^2 / (pi AR)"))
     return out
 
 
@@ -326,9 +319,7 @@ def test_the_field_is_a_potential_of_the_stretched_equation(mach):
         gradient = np.asarray(gradient_of(jnp.array(p), beta))
         assert np.max(np.abs(gradient)) > 1e-3
         np.testing.assert_allclose(gradient, gradient.T, atol=1e-12)
-        assert (1 - mach**2) * gradient[0, 0] + gradient[1, 1] + gradient[2, 2] == pytest.approx(
-            0.0, abs=1e-12
-        )
+        assert (1 - mach**2) * gradient[0, 0] + gradient[1, 1] + gradient[2, 2] == pytest.approx(0.0, abs=1e-12)
     assert float(velocity(jnp.array([1.0, 0.0, 0.7]), beta)[1]) == pytest.approx(0.0, abs=1e-15)
 
 
@@ -346,9 +337,7 @@ def test_the_half_model_is_the_whole_wing():
     p, beta = jnp.array([[1.3, 2.1, 0.4]]), jnp.asarray(1.0)
     starboard, left = (_influence(p, [s], beta) for s in (surface, port))
     np.testing.assert_allclose(left[..., ::-1], starboard, rtol=1e-12)
-    np.testing.assert_allclose(
-        _influence(p * mirror, [surface], beta), starboard * mirror[:, None], rtol=1e-12
-    )
+    np.testing.assert_allclose(_influence(p * mirror, [surface], beta), starboard * mirror[:, None], rtol=1e-12)
 
 
 def cambered(scale=1.0, shift=(0.0, 0.0), alpha=3.0, middle=None):
@@ -356,13 +345,9 @@ def cambered(scale=1.0, shift=(0.0, 0.0), alpha=3.0, middle=None):
     rows = [(0.0, 0.0, 0.1, 2.0, 1.0), (1.2, 6.0, 0.5, 1.0, 1.0)]
     if middle is not None:
         rows.insert(1, tuple(a + (b - a) * middle for a, b in zip(*rows, strict=True)))
-    rows = [
-        ((x + shift[0]) * scale, y * scale, (z + shift[1]) * scale, c * scale, t) for x, y, z, c, t in rows
-    ]
+    rows = [((x + shift[0]) * scale, y * scale, (z + shift[1]) * scale, c * scale, t) for x, y, z, c, t in rows]
     point = ((0.5 + shift[0]) * scale, 0.0, shift[1] * scale)
-    given = dict(
-        S=18.0 * scale**2, c=1.5 * scale, point=point, shape=CAMBER, airfoils=["NACA 2412"] * len(rows)
-    )
+    given = dict(S=18.0 * scale**2, c=1.5 * scale, point=point, shape=CAMBER, airfoils=["NACA 2412"] * len(rows))
     return wing(rows, 6, 12, alpha=alpha, mach=0.3, **given)
 
 

@@ -16,10 +16,7 @@ def items(reference):
     """Arrays (mass, position, gyration) and names of the reference aircraft."""
     definition = tomllib.loads((reference / "hera_like.toml").read_text())
     rows = definition["mass"][0]["items"]
-    columns = [
-        jnp.asarray([[float(row[key]) for key in keys] for row in rows])
-        for keys in ("m", "xyz", ["kx", "ky"])
-    ]
+    columns = [jnp.asarray([[float(row[key]) for key in keys] for row in rows]) for keys in ("m", "xyz", ["kx", "ky"])]
     return columns[0][:, 0], columns[1], columns[2], [row["name"] for row in rows]
 
 
@@ -31,26 +28,20 @@ def test_totals_printed_with_the_reference_aircraft(reference):
     # half a unit of the last digit that the file prints
     np.testing.assert_allclose(total.cg[0], 12.0485, rtol=0, atol=5e-5)
     np.testing.assert_allclose(total.cg[1:], [0.0, 0.343], rtol=0, atol=5e-4)
-    np.testing.assert_allclose(
-        [total.I_xx, total.I_yy, total.I_zz], [4.02e5, 5.88e5, 9.46e5], rtol=0, atol=500.0
-    )
+    np.testing.assert_allclose([total.I_xx, total.I_yy, total.I_zz], [4.02e5, 5.88e5, 9.46e5], rtol=0, atol=500.0)
     np.testing.assert_allclose(total.I_xz, 2.24e4, rtol=0, atol=50.0)
 
 
 def test_uniform_plate():
     # thin plate a x b at its centre: Ixx = m b^2 / 12, Iyy = m a^2 / 12, Izz their sum; kx^2 = a^2 / 12
     m, a, b = 7.0, 3.0, 2.0
-    total = mass_properties(
-        jnp.asarray([m]), jnp.zeros((1, 3)), jnp.asarray([[a / np.sqrt(12.0), b / np.sqrt(12.0)]])
-    )
+    total = mass_properties(jnp.asarray([m]), jnp.zeros((1, 3)), jnp.asarray([[a / np.sqrt(12.0), b / np.sqrt(12.0)]]))
     np.testing.assert_allclose(np.diag(total.inertia), m / 12.0 * np.asarray([b**2, a**2, a**2 + b**2]))
 
 
 def test_mass_high_at_the_tail_has_a_positive_product_of_inertia():
     # two equal masses, one ahead and low, one aft and high, at +-(3, 0, 2): sum of m x z = 2 * 5 * 3 * 2
-    total = mass_properties(
-        jnp.asarray([5.0, 5.0]), jnp.asarray([[1.0, 0, -2.0], [7.0, 0, 2.0]]), jnp.zeros((2, 2))
-    )
+    total = mass_properties(jnp.asarray([5.0, 5.0]), jnp.asarray([[1.0, 0, -2.0], [7.0, 0, 2.0]]), jnp.zeros((2, 2)))
     np.testing.assert_allclose(total.I_xz, 60.0)
     np.testing.assert_allclose(total.inertia[0, 2], -60.0)
 
@@ -63,9 +54,7 @@ def test_pods_of_the_reference_aircraft():
 coordinate = st.floats(-20.0, 20.0)
 
 
-@given(
-    st.lists(st.tuples(st.floats(1.0, 5000.0), coordinate, coordinate, coordinate), min_size=5, max_size=5)
-)
+@given(st.lists(st.tuples(st.floats(1.0, 5000.0), coordinate, coordinate, coordinate), min_size=5, max_size=5))
 def test_a_shift_moves_only_the_centre_of_gravity(rows):
     table = np.asarray(rows)
     mass, position, shift = jnp.asarray(table[:, 0]), jnp.asarray(table[:, 1:]), jnp.asarray([3.0, -1.0, 2.0])
@@ -79,9 +68,7 @@ def test_a_shift_moves_only_the_centre_of_gravity(rows):
 def test_parallel_axes_of_a_split_body():
     # two halves of a rod as two items are the rod: k^2 = L^2 / 12 whole, L^2 / 48 each half
     length = 6.0
-    whole = mass_properties(
-        jnp.asarray([4.0]), jnp.zeros((1, 3)), jnp.asarray([[length / np.sqrt(12.0), 0.0]])
-    )
+    whole = mass_properties(jnp.asarray([4.0]), jnp.zeros((1, 3)), jnp.asarray([[length / np.sqrt(12.0), 0.0]]))
     halves = mass_properties(
         jnp.asarray([2.0, 2.0]),
         jnp.asarray([[length / 4, 0.0, 0.0], [-length / 4, 0.0, 0.0]]),

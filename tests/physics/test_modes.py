@@ -58,9 +58,7 @@ def test_published_lateral_modes(reference, name):
     modes = lateral(matrix)
     (dutch,) = [root for root in roots if root["im"] != 0]
     roll, spiral = sorted(root["re"] for root in roots if root["im"] == 0)
-    np.testing.assert_allclose(
-        [modes.dutch_roll.omega, modes.dutch_roll.zeta], [dutch["wn"], dutch["zeta"]], rtol=5e-6
-    )
+    np.testing.assert_allclose([modes.dutch_roll.omega, modes.dutch_roll.zeta], [dutch["wn"], dutch["zeta"]], rtol=5e-6)
     np.testing.assert_allclose([modes.roll_root, modes.spiral_root], [roll, spiral], rtol=5e-6)
     np.testing.assert_allclose([modes.tau_roll, modes.t2_spiral], [-1 / roll, np.log(2) / spiral], rtol=5e-6)
 
@@ -77,21 +75,15 @@ def test_constructed_modes_come_back(omega_sp, zeta_sp, omega_ph, zeta_ph):
     # an overdamped short period has a slow root near the phugoid's frequency: the pairs must still be kept
     fast, slow = (2 * zeta_sp * omega_sp, omega_sp**2), (2 * zeta_ph * omega_ph, omega_ph**2)
     modes = longitudinal(with_roots(jnp.asarray([fast, slow])))
-    np.testing.assert_allclose(
-        [modes.short_period.two_zeta_omega, modes.short_period.omega_sq], fast, rtol=1e-8
-    )
-    np.testing.assert_allclose(
-        [modes.phugoid.two_zeta_omega, modes.phugoid.omega_sq], slow, rtol=1e-8, atol=1e-9
-    )
+    np.testing.assert_allclose([modes.short_period.two_zeta_omega, modes.short_period.omega_sq], fast, rtol=1e-8)
+    np.testing.assert_allclose([modes.phugoid.two_zeta_omega, modes.phugoid.omega_sq], slow, rtol=1e-8, atol=1e-9)
     np.testing.assert_allclose(modes.short_period.zeta, zeta_sp, rtol=1e-6)
 
 
 def test_complex_pair_stays_together_between_two_real_roots():
     # beyond the static limit: roots -2 and +0.3 with an oscillation of 0.9 rad/s between them
     modes = longitudinal(with_roots(jnp.asarray([(1.7, -0.6), (0.2, 0.81)])))
-    np.testing.assert_allclose(
-        [modes.short_period.two_zeta_omega, modes.short_period.omega_sq], [1.7, -0.6], rtol=1e-9
-    )
+    np.testing.assert_allclose([modes.short_period.two_zeta_omega, modes.short_period.omega_sq], [1.7, -0.6], rtol=1e-9)
     np.testing.assert_allclose([modes.phugoid.two_zeta_omega, modes.phugoid.omega_sq], [0.2, 0.81], rtol=1e-9)
     assert modes.short_period.omega < 0.0
 

@@ -44,9 +44,7 @@ def test_saved_mass_is_worth_more_as_fuel_than_as_lightness(mass_saved):
     light = flown(mass_saved)
     assert light.range_fixed_takeoff > light.range_fixed_fuel > flown(0.0).range_fixed_fuel
     # the two options differ at both ends of the cruise
-    np.testing.assert_allclose(
-        light.W_i_fixed_takeoff - light.W_i_fixed_fuel, 9.80665 * mass_saved, rtol=1e-9
-    )
+    np.testing.assert_allclose(light.W_i_fixed_takeoff - light.W_i_fixed_fuel, 9.80665 * mass_saved, rtol=1e-9)
     np.testing.assert_allclose(light.W_f_fixed_takeoff, light.W_f_fixed_fuel, rtol=1e-14)
 
 

@@ -15,9 +15,7 @@ def test_against_the_implicit_law_of_schoenherr(reynolds):
     lower, upper = 1e-4, 1e-1
     for _ in range(200):
         middle = np.sqrt(lower * upper)
-        lower, upper = (
-            (lower, middle) if 0.242 / np.sqrt(middle) < np.log10(reynolds * middle) else (middle, upper)
-        )
+        lower, upper = (lower, middle) if 0.242 / np.sqrt(middle) < np.log10(reynolds * middle) else (middle, upper)
     np.testing.assert_allclose(turbulent_skin_friction(reynolds), middle, rtol=0.03)
 
 

@@ -77,9 +77,7 @@ def test_ccblade_propeller():
         np.testing.assert_allclose(found.CP, CP, rtol=0.01)
 
 
-@pytest.mark.parametrize(
-    ("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.009, 0.009), (35, 1.2, 0.009, 0.011)]
-)
+@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.009, 0.009), (35, 1.2, 0.009, 0.011)])
 def test_measured_naca_propeller(angle, first, bound_CT, bound_CP):
     """NACA Report 658, propeller 5868-9 to zero thrust: mean absolute error of CT and CP.
 
@@ -200,9 +198,7 @@ def test_inclined_rotor_has_the_normal_force_of_its_side_area():
 
 
 @settings(deadline=None, max_examples=15)
-@given(
-    w=st.floats(-40.0, 40.0), v=st.floats(-40.0, 40.0), speed=st.floats(0.0, 200.0), pitch=st.floats(0.2, 1.2)
-)
+@given(w=st.floats(-40.0, 40.0), v=st.floats(-40.0, 40.0), speed=st.floats(0.0, 200.0), pitch=st.floats(0.2, 1.2))
 def test_mirror_and_quarter_turn(w, v, speed, pitch):
     """Opposite sense in the mirrored stream gives mirrored loads; a turned stream gives turned loads."""
     case = CRUISE | {"pitch": pitch}
@@ -231,9 +227,7 @@ def test_similarity(density, speed_scale):
 
 def by_parameters(x):
     """Loads by pitch, speed, incidence, sideslip, omega, radius, chord and twist."""
-    blade = ro.blade_elements(
-        RADIUS * x[5], HUB * x[5], R_TABLE, C_TABLE * x[6], TWIST_TABLE * x[7], polar=POLAR, n=NR
-    )
+    blade = ro.blade_elements(RADIUS * x[5], HUB * x[5], R_TABLE, C_TABLE * x[6], TWIST_TABLE * x[7], polar=POLAR, n=NR)
     direction = jnp.stack([jnp.cos(x[2]) * jnp.cos(x[3]), jnp.sin(x[3]), jnp.sin(x[2]) * jnp.cos(x[3])])
     found = ro.solve_rotor(
         blade, jnp.broadcast_to(x[1] * direction, (NR, 4, 3)),

@@ -23,9 +23,7 @@ def test_attached_range_of_the_reference_polar():
     table = table[np.abs(table[:, 0]) <= 5.0]
     polar = sp.SectionPolar(5.9, np.radians(-2.0), 0.010, 0.35, 0.008, 1.4, 0.0)
     cl, cd = coefficients(polar, jnp.radians(table[:, 0]), jnp.zeros(len(table)))
-    np.testing.assert_allclose(
-        cl, table[:, 1], atol=3e-4
-    )  # the table rounds off at its stall, 1e-4 at 5 degrees
+    np.testing.assert_allclose(cl, table[:, 1], atol=3e-4)  # the table rounds off at its stall, 1e-4 at 5 degrees
     np.testing.assert_allclose(cd, table[:, 2], atol=1e-4)
 
 
@@ -33,9 +31,7 @@ def test_attached_range_of_the_reference_polar():
 def test_prandtl_glauert_is_exact_below_its_limit(mach):
     alpha = jnp.radians(jnp.array([-6.0, -3.0, 0.0, 3.0]))
     cl, _ = coefficients(CLARK_Y, alpha, jnp.full(4, mach))
-    np.testing.assert_allclose(
-        cl, 6.0 * (alpha + np.radians(3.0)) / np.sqrt(1.0 - mach**2), rtol=1e-12, atol=1e-14
-    )
+    np.testing.assert_allclose(cl, 6.0 * (alpha + np.radians(3.0)) / np.sqrt(1.0 - mach**2), rtol=1e-12, atol=1e-14)
 
 
 def test_prandtl_glauert_stays_finite_and_rises_through_mach_one():
@@ -93,6 +89,4 @@ def test_derivatives_at_every_incidence():
     ):
         coarse = (function(alpha + 2 * h) - function(alpha - 2 * h)) / (4 * h)
         fine = (function(alpha + h) - function(alpha - h)) / (2 * h)
-        np.testing.assert_allclose(
-            derivative, (4 * fine - coarse) / 3, atol=1e-6 * float(jnp.max(jnp.abs(derivative)))
-        )
+        np.testing.assert_allclose(derivative, (4 * fine - coarse) / 3, atol=1e-6 * float(jnp.max(jnp.abs(derivative))))

@@ -25,9 +25,7 @@ def hera_blade():
     chord = np.array([0.130, 0.140, 0.147, 0.150, 0.151, 0.150, 0.143, 0.122, 0.100, 0.060])
     twist = np.radians([28.50, 22.19, 16.35, 11.02, 6.23, 1.96, -1.84, -5.22, -6.76, -8.21])
     polar = SectionPolar(6.0, np.radians(-3.0), 0.008, 0.3, 0.010, 1.4, 1.0)
-    return blade_elements(
-        RADIUS, HUB, jnp.array(table), jnp.array(chord), jnp.array(twist), polar=polar, n=20
-    )
+    return blade_elements(RADIUS, HUB, jnp.array(table), jnp.array(chord), jnp.array(twist), polar=polar, n=20)
 
 
 def uniform(**changes):
@@ -108,9 +106,7 @@ def test_nothing_outside_the_tube_and_on_the_axis():
 @settings(deadline=None, max_examples=25)
 @given(angle=st.floats(-3.0, 3.0), x=st.floats(-2.0, 9.0), y=st.floats(-2.0, 2.0), z=st.floats(-2.0, 2.0))
 def test_rotation_and_mirror_symmetry(angle, x, y, z):
-    turn = np.array(
-        [[1.0, 0.0, 0.0], [0.0, np.cos(angle), -np.sin(angle)], [0.0, np.sin(angle), np.cos(angle)]]
-    )
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(angle), -np.sin(angle)], [0.0, np.sin(angle), np.cos(angle)]])
     point = np.array([[x, y, z]])
     v = field(jnp.array(point), **uniform())
     np.testing.assert_allclose(field(jnp.array(point @ turn.T), **uniform()), v @ turn.T, atol=1e-9)
@@ -158,6 +154,4 @@ def test_reverse_mode_agrees():
     def total(p):
         return jnp.sum(parametrised(p) ** 2)
 
-    np.testing.assert_allclose(
-        jax.jit(jax.grad(total))(P0), jax.jit(jax.jacfwd(total))(P0), rtol=1e-9, atol=1e-9
-    )
+    np.testing.assert_allclose(jax.jit(jax.grad(total))(P0), jax.jit(jax.jacfwd(total))(P0), rtol=1e-9, atol=1e-9)

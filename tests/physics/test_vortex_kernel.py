@@ -92,7 +92,5 @@ def test_no_velocity_on_the_filament_itself():
 def test_the_wake_core_bounds_the_velocity():
     """Near a wake line the velocity peaks at 1 / 4 pi core instead of growing without end."""
     ring = one_ring(np.zeros(3), np.array([0.0, 3.0, 0.0])) * jnp.array([1.0, 1.0, 0.0])
-    speeds = [
-        np.linalg.norm(fields([50.0, h, 0.0], ring)[2][0, 0]) for h in WAKE_CORE * np.array([0.1, 1, 10])
-    ]
+    speeds = [np.linalg.norm(fields([50.0, h, 0.0], ring)[2][0, 0]) for h in WAKE_CORE * np.array([0.1, 1, 10])]
     assert max(speeds) == pytest.approx(1 / (4 * np.pi * WAKE_CORE), rel=1e-6)

@@ -278,9 +278,7 @@ def test_derivatives_by_twelve_inputs(scaled_box):
 
     def columns(function):
         steps = h * np.eye(12)
-        return np.stack(
-            [(4 * central(function, s / 2) * 2 - central(function, s)) / (3 * h) for s in steps], -1
-        )
+        return np.stack([(4 * central(function, s / 2) * 2 - central(function, s)) / (3 * h) for s in steps], -1)
 
     np.testing.assert_allclose(exact, columns(run), atol=1e-6 * np.max(np.abs(exact)))
     # Second derivatives of the mass and the reserve factors along one direction, nested forward mode.
@@ -289,9 +287,7 @@ def test_derivatives_by_twelve_inputs(scaled_box):
     def slope(p):
         return jax.jvp(scaled_box, (p,), (jnp.asarray(direction),))[1]
 
-    second = np.asarray(
-        jax.jit(lambda p: jax.jvp(slope, (p,), (jnp.asarray(direction),))[1])(jnp.asarray(POINT))
-    )
+    second = np.asarray(jax.jit(lambda p: jax.jvp(slope, (p,), (jnp.asarray(direction),))[1])(jnp.asarray(POINT)))
     step = h * direction
     along = (4 * central(jacobian, step / 2) * 2 - central(jacobian, step)) / (3 * h) @ direction
     np.testing.assert_allclose(second[:4], along[:4], atol=1e-5 * np.max(np.abs(along)))

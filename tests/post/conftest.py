@@ -53,10 +53,7 @@ def arrays(design, off=0.9):
     k, p, t = design["y_kink"], design["y_prop"], design["theta_tip"]
     chord = np.interp(y, [0.0, k, 14.5], [2.77, 2.77, 1.61])
     clean = 0.55 * np.sqrt(1 - (y / 14.55) ** 2) * 2.6 / chord * (1 + 0.02 * t * (y / 14.5 - 0.5))
-    wash = sum(
-        0.07 * np.sin(np.pi * np.clip((y - h) / r, -1, 1))
-        for h, r in ((4.1, 1.95), (p, 1.2), (p + 2.75, 1.2))
-    )
+    wash = sum(0.07 * np.sin(np.pi * np.clip((y - h) / r, -1, 1)) for h, r in ((4.1, 1.95), (p, 1.2), (p + 2.75, 1.2)))
     s = design["htail_scale"]
     b, c = 3.54 * s, 1.925 * s
     eta = np.linspace(0.02, 0.98, 24)
@@ -78,8 +75,7 @@ def arrays(design, off=0.9):
             "t_skin_lower": 0.0012 + 0.0028 * (1 - eta) ** 1.4,
             "t_web_front": 0.0012 + 0.0018 * (1 - eta),
             "t_web_rear": 0.0012 + 0.0012 * (1 - eta),
-            "RFC_span": (1.5 + 0.12 * (design["A_cap_root"] > 2.5e-3))
-            * (1 + 4 * eta**4 + 0.3 * np.sin(3 * eta) ** 2),
+            "RFC_span": (1.5 + 0.12 * (design["A_cap_root"] > 2.5e-3)) * (1 + 4 * eta**4 + 0.3 * np.sin(3 * eta) ** 2),
             "RFT_span": 1.52 * (1 + 5 * eta**4 + 0.2 * np.sin(4 * eta) ** 2),
         },
         "mass_items": mass,

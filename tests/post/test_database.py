@@ -35,10 +35,7 @@ def test_a_finished_run_is_read_in_full(database, synthetic):
     assert [v.name for v in run.variables] == list(synthetic.end)
     assert run.constraints[3].upper is None
     assert len(run.history) == 12 and run.history[0]["iteration"] == 1
-    assert (
-        run.baseline.values["CD"] == synthetic.before["CD"]
-        and run.optimum.values["CD"] == synthetic.after["CD"]
-    )
+    assert run.baseline.values["CD"] == synthetic.before["CD"] and run.optimum.values["CD"] == synthetic.after["CD"]
     assert run.optimum.arrays["rotors"][1][1] == synthetic.end["y_prop"]
     assert run.result["gain"]["structural_mass"] == 137.0
     with pytest.raises(AttributeError):
@@ -84,9 +81,7 @@ def test_missing_file_and_folder(tmp_path):
 def test_a_file_that_is_no_database(tmp_path, content):
     path = tmp_path / "a.db"
     path.write_bytes(content)
-    with pytest.raises(
-        RecordError, match=r"a\.db: (damaged, or no SQLite database|an SQLite database, but not)"
-    ):
+    with pytest.raises(RecordError, match=r"a\.db: (damaged, or no SQLite database|an SQLite database, but not)"):
         read(path)
     assert path.read_bytes() == content
 
@@ -149,9 +144,7 @@ def test_damage_inside_is_named(database, tmp_path, sql, values, reason):
 
 
 def test_a_definition_that_no_longer_loads_is_an_error_only_when_asked_for(database, tmp_path):
-    path = changed(
-        database, tmp_path, "UPDATE hera_om SET value = ? WHERE key = 'definition'", json.dumps("name = 3")
-    )
+    path = changed(database, tmp_path, "UPDATE hera_om SET value = ? WHERE key = 'definition'", json.dumps("name = 3"))
     run = read(path)
     with pytest.raises(RecordError, match=r"copy\.db: the recorded definition does not load"):
         _ = run.aircraft

@@ -67,9 +67,7 @@ def test_texts_are_inside_and_clear_of_each_other(name, which, request):
 def _hidden(axis):
     """Labels of ticks outside the limits, which matplotlib keeps but does not draw."""
     low, high = sorted(axis.get_view_interval())
-    return {
-        t.label1.get_text() for t in axis.get_major_ticks() if not low - 1e-9 <= t.get_loc() <= high + 1e-9
-    }
+    return {t.label1.get_text() for t in axis.get_major_ticks() if not low - 1e-9 <= t.get_loc() <= high + 1e-9}
 
 
 @pytest.mark.parametrize("name", PLOTS)
@@ -185,9 +183,7 @@ def test_nothing_heavy_is_imported_before_it_is_needed_and_no_pyplot_at_all(root
         "print(sorted(heavy & set(sys.modules))); post.plot_drag(sys.argv[1]);"
         "print('matplotlib.pyplot' in sys.modules, 'openmdao' in sys.modules, 'jax' in sys.modules)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, database], cwd=root, capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", code, database], cwd=root, capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:2] == ["[]", "False False False"]
 
 

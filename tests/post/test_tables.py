@@ -62,9 +62,7 @@ def test_comparison(database):
     row = frame.loc["m_wing"]
     assert row["units"] == "kg" and row["meaning"] == "mass of the wing"
     assert row["change"] == -379.0 and row["change_percent"] == pytest.approx(-100 * 379 / 3300)
-    assert frame.loc["delta_e", "change_percent"] == pytest.approx(
-        100 * 0.4 / 1.2
-    )  # up is up, below zero too
+    assert frame.loc["delta_e", "change_percent"] == pytest.approx(100 * 0.4 / 1.2)  # up is up, below zero too
     assert frame.loc["y_kink", "units"] == "m" and frame.loc["m_skins", "meaning"] == ""
 
 
@@ -102,9 +100,7 @@ def test_what_the_parts_leave_of_the_total_is_shown(database):
 
 
 def test_secondary_structure_is_what_primary_and_remainder_leave():
-    shot = post.database.Snapshot(
-        {"m_wing": 3300.0, "m_primary": 2400.0, "m_remainder": 500.0, "m_caps": 300.0}
-    )
+    shot = post.database.Snapshot({"m_wing": 3300.0, "m_primary": 2400.0, "m_remainder": 500.0, "m_caps": 300.0})
     assert tables._wing_parts(shot)["m_secondary"] == 400.0
 
 

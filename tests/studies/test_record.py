@@ -108,11 +108,7 @@ def test_the_head_says_what_ran(finished, aircraft):
     assert loads(head["definition"]) == aircraft
     assert head["provenance"]["openmdao"] == openmdao.__version__
     assert head["options"] == {"driver": "SLSQP"}
-    assert (
-        head["variables"] == VARIABLES
-        and head["constraints"] == CONSTRAINTS
-        and head["objective"] == OBJECTIVE
-    )
+    assert head["variables"] == VARIABLES and head["constraints"] == CONSTRAINTS and head["objective"] == OBJECTIVE
     assert head["started"] <= head["finished"]
 
 
@@ -125,9 +121,7 @@ def test_each_evaluation_is_a_row_and_a_driver_case(finished):
     for row, name in zip(run.history, names, strict=True):
         case = cases.get_case(name)
         assert row["variables"]["y_kink"] == float(case.get_val("y_kink")[0])
-        assert row["objective"] == pytest.approx(
-            float(case.get_val("range_fixed_mass", units="km")[0]), rel=1e-14
-        )
+        assert row["objective"] == pytest.approx(float(case.get_val("range_fixed_mass", units="km")[0]), rel=1e-14)
         assert row["constraints"]["static_margin"] == float(case.get_val("static_margin")[0])
     assert [r["iteration"] for r in seen] == [r["iteration"] for r in run.history]
     assert all(a["time_s"] <= b["time_s"] for a, b in pairwise(seen))

@@ -139,7 +139,7 @@ def test_a_seed_decides_everything(short, tmp_path, monkeypatch):
     original = module._analyse
 
     def some(*args):
-        names, y, kept = original(*args)
+        _names, y, kept = original(*args)
         return list(few), y[:, : 2 + 8], kept
 
     monkeypatch.setattr(module, "_analyse", some)

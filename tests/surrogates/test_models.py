@@ -33,9 +33,7 @@ MANY = {kind: jax.jit(jax.vmap(predict, in_axes=(None, 0))) for kind, predict in
 FIRST = {kind: jax.jit(jax.jacfwd(predict, argnums=1)) for kind, predict in PREDICT.items()}
 REVERSE = {kind: jax.jit(jax.jacrev(predict, argnums=1)) for kind, predict in PREDICT.items()}
 SECOND = {kind: jax.jit(jax.jacfwd(first, argnums=1)) for kind, first in FIRST.items()}
-COMPLEX = {
-    kind: jax.jit(jax.jacfwd(predict, argnums=1, holomorphic=True)) for kind, predict in PREDICT.items()
-}
+COMPLEX = {kind: jax.jit(jax.jacfwd(predict, argnums=1, holomorphic=True)) for kind, predict in PREDICT.items()}
 
 
 def standardised(y, like):
@@ -143,9 +141,7 @@ def test_width_comes_from_cross_validation(functions, monkeypatch):
     low, high = (np.array(bound) for bound in functions["wing weight"][1:3])
     monkeypatch.setattr(rbf, "WIDTHS", (0.5,))
     model = rbf.train(to_unit(x, low, high), standardised(y, y), SEED)
-    quality = measure(
-        many("rbf", model, to_unit(x_new, low, high)), standardised(y_new, y), standardised(y, y)
-    )
+    quality = measure(many("rbf", model, to_unit(x_new, low, high)), standardised(y_new, y), standardised(y, y))
     assert quality.rmse > 2 * RMSE["wing weight", "rbf"]
 
 
@@ -168,9 +164,7 @@ def test_columns_do_not_disturb_each_other(functions, module):
         label = {"labels": ["a"]} if module is kriging else {}
         alone = module.train(u, both[:, [j]], SEED, **label)
         point = np.array([0.3, 0.4])
-        assert module.predict(model, point)[j] == pytest.approx(
-            float(module.predict(alone, point)[0]), rel=1e-7
-        )
+        assert module.predict(model, point)[j] == pytest.approx(float(module.predict(alone, point)[0]), rel=1e-7)
         assert module.predict(module.select(model, [j]), point)[0] == module.predict(model, point)[j]
 
 

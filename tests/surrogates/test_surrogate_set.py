@@ -33,8 +33,7 @@ def test_jacobian_is_that_of_central_differences(small):
         step = np.zeros(2)
         step[k] = 2e-3 * width[k]
         near, far = (
-            (np.asarray(small.evaluate(X + f * step)) - np.asarray(small.evaluate(X - f * step)))
-            / (2 * f * step[k])
+            (np.asarray(small.evaluate(X + f * step)) - np.asarray(small.evaluate(X - f * step))) / (2 * f * step[k])
             for f in (1, 2)
         )
         columns.append((4 * near - far) / 3)

@@ -61,9 +61,7 @@ def test_unseen_points_decide_only_the_choice(small, case):
     other = surrogates.train(**case(y_test=y_test))
     assert other.chosen("Cm").rmse > 10 * small.chosen("Cm").rmse
     x = np.array([2.0, 3.0])
-    kept = [
-        i for i, name in enumerate(small.output_names) if other.kinds[i] == small.kinds[i] and name != "Cm"
-    ]
+    kept = [i for i, name in enumerate(small.output_names) if other.kinds[i] == small.kinds[i] and name != "Cm"]
     for i in kept:
         where = small.slices[small.output_names[i]]
         assert np.array_equal(other.evaluate(x)[where], small.evaluate(x)[where])
