@@ -3,6 +3,7 @@
 import openmdao.api as om
 
 TOLERANCE = 1e-11  # of the balances, which are load coefficients
+SURROGATE_TOLERANCE = 1e-7  # the same for a surrogate: rounding in Kriging sums of large weights leaves about 1e-9
 MAX_ITERATIONS = 25
 
 
@@ -13,10 +14,10 @@ class TrimNewton(om.NewtonSolver):
     does not converge the AnalysisError says which control stands at its limit and what is left of each balance.
     """
 
-    def __init__(self, aero, balance, **options) -> None:
+    def __init__(self, aero, balance, tolerance: float = TOLERANCE, **options) -> None:
         super().__init__(solve_subsystems=True, max_sub_solves=MAX_ITERATIONS, **options)
         self._aero, self._balance = aero, balance
-        self.options.update({"atol": TOLERANCE, "rtol": 1e-99, "maxiter": MAX_ITERATIONS, "iprint": -1})
+        self.options.update({"atol": tolerance, "rtol": 1e-99, "maxiter": MAX_ITERATIONS, "iprint": -1})
         self.options["err_on_non_converge"] = True
         self.linesearch = om.BoundsEnforceLS(bound_enforcement="scalar", print_bound_enforce=False)
         self.linesearch.options["iprint"] = -1

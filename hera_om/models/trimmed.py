@@ -13,10 +13,11 @@ from hera_om.components.performance import Performance
 from hera_om.components.stability import Stability
 from hera_om.components.trim import Bounds, TrimBalance
 from hera_om.components.wingbox import WingBox
-from hera_om.models.trim_solver import TrimNewton
+from hera_om.models.trim_solver import SURROGATE_TOLERANCE, TOLERANCE, TrimNewton
 from hera_om.surrogates.surrogate_set import SurrogateSet
 
 LOOP_TOLERANCE = 1e-6  # of the change in all outputs of a sweep, mostly strip loads in N: 1e-11 of them
+SURROGATE_LOOP_TOLERANCE = 0.1  # the same for a surrogate, whose trim keeps to a looser tolerance: 1e-8 of them
 MAX_SWEEPS = 40
 LOAD_NAMES = ("strip_edge", "strip_point", "strip_force", "strip_moment")
 ROTOR_NAMES = ("rotor_hub", "rotor_force", "rotor_moment")
@@ -45,7 +46,8 @@ class TrimPoint(om.Group):
         self.add_subsystem("aero", aero, promotes=["*"])
         self.add_subsystem("balance", self.balance, promotes=["*"])
         self.set_input_defaults("load_factor", val=self.options["load_factor"])
-        self.nonlinear_solver = TrimNewton(aero, self.balance)
+        tolerance = TOLERANCE if isinstance(self.options["aero"], str) else SURROGATE_TOLERANCE
+        self.nonlinear_solver = TrimNewton(aero, self.balance, tolerance)
         self.linear_solver = om.DirectSolver()
 
 
@@ -93,9 +95,10 @@ class TrimmedAircraft(om.Group):
         self.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
         if aircraft.mission is not None:
             self.add_subsystem("performance", Performance(aircraft=aircraft), promotes=["*"])
+        tolerance = LOOP_TOLERANCE if isinstance(aero, str) else SURROGATE_LOOP_TOLERANCE
         self.nonlinear_solver = om.NonlinearBlockGS(
             maxiter=MAX_SWEEPS,
-            atol=LOOP_TOLERANCE,
+            atol=tolerance,
             rtol=1e-99,
             iprint=-1,
             use_aitken=True,

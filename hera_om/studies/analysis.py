@@ -16,8 +16,8 @@ from hera_om.studies.values import collect
 def analyze(aircraft: Aircraft) -> dict[str, Any]:
     """Analyse a definition at its ``[flight]`` condition; any part may be absent.
 
-    Moments are about the definition's reference point, else the centre of gravity, else the quarter of the
-    mean aerodynamic chord.
+    Moments are about the definition's reference point, else the centre of gravity, else the quarter of the mean
+    aerodynamic chord. Flying qualities need them about the centre of gravity: a reference point leaves them out.
 
     Returns:
         ``aircraft``, ``hash``, ``units``, and registry names with their values.
@@ -32,7 +32,7 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
         mass = MassProperties(aircraft=aircraft)
         problem.model.add_subsystem("mass_properties", mass, promotes_inputs=["*"], promotes_outputs=outputs)
     problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
-    if aircraft.mass and aircraft.wing is not None:
+    if aircraft.mass and aircraft.wing is not None and not fixed_point:
         problem.model.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
         problem.model.set_input_defaults("alpha", val=aircraft.flight.alpha_deg, units="deg")
     problem.setup()

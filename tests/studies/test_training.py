@@ -36,6 +36,9 @@ def components(aircraft, surrogates):
         problem = om.Problem(reports=False)
         problem.model.add_subsystem("aero", component, promotes=["*"])
         problem.setup()
+        for name, (low, high) in module.sample_box(aircraft).items():
+            if name in ("x_cg", "z_cg"):
+                problem.set_val(name, 0.5 * (low + high))
         problem.final_setup()
         out.append((problem, component))
     return out
@@ -79,12 +82,12 @@ def test_partials_of_the_surrogate(made, short):
         return out
 
     for wrt in (*point, "theta_hybrid", "x_cg"):
-        step = 1e-3 * max(abs(inputs[wrt].item()), 0.1)
+        step = 1e-2 * max(abs(inputs[wrt].item()), 0.1)
         a, b, c, d = (outputs(**{wrt: inputs[wrt] + h}) for h in (step, -step, step / 2, -step / 2))
         for of in names:
             slope = ((8 * (c[of] - d[of]) - (a[of] - b[of])) / (6 * step)).ravel()
             found = np.ravel(partials[of, wrt])
-            scale = np.max(np.abs(slope)) + 1e-6 * np.max(np.abs(a[of]))
+            scale = np.max(np.abs(slope)) + 1e-4 * np.max(np.abs(a[of]))
             np.testing.assert_allclose(
                 found / max(scale, 1e-12), slope / max(scale, 1e-12), atol=1e-6, err_msg=f"{of}, {wrt}"
             )
@@ -139,11 +142,11 @@ def test_a_seed_decides_everything(short, tmp_path, monkeypatch):
     original = module._analyse
 
     def some(*args):
-        _names, y, kept = original(*args)
+        __, y, kept = original(*args)
         return list(few), y[:, : 2 + 8], kept
 
     monkeypatch.setattr(module, "_analyse", some)
-    points = [train(short, samples=12, seed=s, out=tmp_path / f"{i}.npz")["path"] for i, s in enumerate((5, 5, 6))]
+    points = [train(short, samples=20, seed=s, out=tmp_path / f"{i}.npz")["path"] for i, s in enumerate((5, 5, 6))]
     first, again, other = (load(p) for p in points)
     x = 0.5 * (first.lower + first.upper)
     assert np.array_equal(first.evaluate(x), again.evaluate(x))
