@@ -43,8 +43,9 @@ def flown(small, ready):
 
 
 def test_partials_of_the_whole_aircraft(flown, check_partials):
+    """A wider step lets a panel cross the edge of a slipstream, where differences go wrong by 1e-5."""
     component, _, inputs = flown
-    check_partials(component, inputs, relative_step=2e-5, noise=RESIDUAL)
+    check_partials(component, inputs, relative_step=4e-6, floor=1e-7, noise=RESIDUAL)
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,7 @@ def test_thrusts_keep_the_ratio_of_their_design(cruise):
     assert ratio == pytest.approx(5600.0 / 1330.0, rel=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:The following groups have a nonlinear solver")
 def test_totals_through_the_trim(cruise, check_totals):
     problem, _ = cruise
     steps = {"y_kink": 2e-3, "theta_tip": 2e-3, "y_prop": 5e-4, "htail_scale": 5e-4, "m_wing": 0.5}

@@ -38,9 +38,8 @@ def test_moments_are_about_the_reference_point_if_there_is_one(found, small_airc
     assert moved["x_cg"] == 11.0
     shift = (11.0 - found["x_cg"]) / 2.4755
     assert moved["Cm"] == pytest.approx(found["Cm"] + found["CZ"] * shift, abs=1e-9)
-    neutral = found["x_cg"] - 2.4755 * found["Cm_alpha"] / found["CZ_alpha"]
-    assert moved["x_np"] == pytest.approx(neutral, abs=1e-9) == pytest.approx(found["x_np"], abs=5e-3)
     assert moved["mass"] == found["mass"]
+    assert moved["x_np"] == pytest.approx(found["x_np"], abs=5e-3)  # drag areas act at the x of the moment point
     assert "static_margin" not in moved and "omega_sp" not in moved  # they are about the centre of gravity
 
 

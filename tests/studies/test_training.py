@@ -82,12 +82,12 @@ def test_partials_of_the_surrogate(made, short):
         return out
 
     for wrt in (*point, "theta_hybrid", "x_cg"):
-        step = 1e-2 * max(abs(inputs[wrt].item()), 0.1)
+        step = 5e-2 * max(abs(inputs[wrt].item()), 0.1)
         a, b, c, d = (outputs(**{wrt: inputs[wrt] + h}) for h in (step, -step, step / 2, -step / 2))
         for of in names:
             slope = ((8 * (c[of] - d[of]) - (a[of] - b[of])) / (6 * step)).ravel()
             found = np.ravel(partials[of, wrt])
-            scale = np.max(np.abs(slope)) + 1e-4 * np.max(np.abs(a[of]))
+            scale = np.max(np.abs(slope)) + 1e-3 * np.max(np.abs(a[of]))
             np.testing.assert_allclose(
                 found / max(scale, 1e-12), slope / max(scale, 1e-12), atol=1e-6, err_msg=f"{of}, {wrt}"
             )
