@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from hera_om.cli.output import FAILED, Failure, plain, progress
+from hera_om.cli.output import FAILED, Failure, count, plain, progress
 
 
 class Outcome(NamedTuple):
@@ -97,7 +97,7 @@ def train(args: argparse.Namespace) -> Outcome:
     aircraft = prepare(args)
     from hera_om.studies import train
 
-    result = train(aircraft, samples=args.samples, seed=args.seed, out=args.out, progress=progress)
+    result = train(aircraft, samples=args.samples, seed=args.seed, out=args.out, progress=count)
     return Outcome(plain(result), train_text)
 
 

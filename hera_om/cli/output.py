@@ -61,6 +61,11 @@ def progress(iteration: int, objective: float | None, worst_violation: float | N
     say(f"{iteration:5d}  {figures:<51}  {float(seconds):7.1f} s")
 
 
+def count(done: int, total: int, seconds: float) -> None:
+    """One line of progress of a study that only counts its analyses."""
+    say(f"{done:5d}  of {total:<48d}  {float(seconds):7.1f} s")
+
+
 def say(text: str) -> None:
     """Print on standard error, if anybody still listens."""
     if sys.stderr is not None:  # print would take standard output instead

@@ -14,8 +14,12 @@ from hera_om.physics.performance import pull_up_rate
 from hera_om.surrogates import SurrogateSet, outside, predict
 
 RATE = "q_hat"  # enters linearly, by the model's own derivatives
-DERIVED = ("L_over_D", "coupling_residual")  # not trained: CL / CD, and nothing to couple
 FIXED = ("mach", "altitude", "load_factor", RATE)  # not sampled: the condition is the definition's
+
+
+def derived(aircraft: Aircraft) -> tuple[str, ...]:
+    """Outputs that are not trained: CL / CD, nothing to couple, and thrust times speed over power."""
+    return ("L_over_D", "coupling_residual", *(f"eta_{r.name}" for r in aircraft.rotor))
 
 
 def sampled_inputs(aircraft: Aircraft, names) -> list[str]:
@@ -87,14 +91,16 @@ class SurrogateAerodynamics(om.ExplicitComponent):
         start = {n: s.start for n, s in found.slices.items()}
         places = np.array([[start[c], start[f"{c}_q"]] for c in COEFFICIENTS])
         ratio = np.array([start["CL"], start["CD"]])
+        groups = [r.name for r in self.options["aircraft"].rotor]
+        shafts = np.array([[start[f"thrust_{g}"], start[f"power_{g}"]] for g in groups], int).reshape(-1, 2)
         stream = np.array([self._speed, self._chord])
-        return found.predictor, self._point(inputs), self._rate(inputs), places, ratio, stream
+        return found.predictor, self._point(inputs), self._rate(inputs), places, ratio, shafts, stream
 
     def _slices(self) -> dict[str, tuple[int, int]]:
         """Where each output stands in a prediction: those trained, then those derived."""
         out = {n: (s.start, s.stop) for n, s in self.options["surrogate"].slices.items()}
         end = sum(self.options["surrogate"].output_sizes)
-        return out | {n: (end + i, end + i + 1) for i, n in enumerate(DERIVED)}
+        return out | {n: (end + i, end + i + 1) for i, n in enumerate(derived(self.options["aircraft"]))}
 
 
 def interface(aircraft: Aircraft) -> list[tuple[str, str, dict]]:
@@ -115,12 +121,14 @@ def interface(aircraft: Aircraft) -> list[tuple[str, str, dict]]:
 def _functions():
     """Prediction and its Jacobian by the surrogate's inputs, q_hat and load factor, compiled once a process."""
 
-    def value(predictor, x, rate, places, ratio, stream):
+    def value(predictor, x, rate, places, ratio, shafts, stream):
         y = predict(predictor, x)
         speed, chord = stream
         turning = rate[0] + pull_up_rate(speed, rate[1]) * chord / (2 * speed)
         y = y.at[places[:, 0]].add(y[places[:, 1]] * turning)
-        return jnp.concatenate([y, jnp.stack([y[ratio[0]] / y[ratio[1]], jnp.zeros(())])])
+        power = y[shafts[:, 1]]
+        eta = jnp.where(power == 0, 0.0, y[shafts[:, 0]] * speed / jnp.where(power == 0, 1.0, power))
+        return jnp.concatenate([y, jnp.stack([y[ratio[0]] / y[ratio[1]], jnp.zeros(())]), eta])
 
     def jacobian(predictor, x, rate, *rest):
         def run(v):

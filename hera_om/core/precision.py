@@ -26,6 +26,9 @@ def enable() -> None:
     import jax
 
     jax.config.update("jax_enable_x64", True)
+    jax.config.update(
+        "jax_traceback_in_locations_limit", 1
+    )  # whole tracebacks in compiled code cost time, nobody reads them
     jax.config.update("jax_platforms", os.environ.get("JAX_PLATFORMS") or "cpu")
     folder = cache_dir() / "xla"
     try:

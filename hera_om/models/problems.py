@@ -133,6 +133,12 @@ class ScipyDriver(om.ScipyOptimizeDriver):
     The original hands SciPy an objective of zero instead, goes on to the end, and raises only then.
     """
 
+    @property
+    def message(self) -> str:
+        """What SciPy said at the end of the last run."""
+        result = self._scipy_optimize_result
+        return "" if result is None else str(result.message)
+
     def _objfunc(self, x_new):
         """Objective at a point."""
         return self._checked(super()._objfunc(x_new))

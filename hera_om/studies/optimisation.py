@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -153,33 +154,41 @@ def _outputs(problem: om.Problem) -> Any:
 
 
 def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best) -> dict[str, Any]:
-    """Run the driver, again after a failed analysis from the best design in a smaller box."""
+    """Run the driver, again after a failed analysis from the best design in a smaller box; count all attempts."""
     failures: list[str] = []
+    spent, begun = dict.fromkeys(("iterations", "evaluations", "gradients"), 0), perf_counter()
     while True:
-        try:
-            done = problem.run_driver()
-        except om.AnalysisError as error:
-            failures.append(str(error))
-            if len(failures) == ATTEMPTS:
-                record.note("failures", failures)
-                raise AnalysisFailure(
-                    f"{ATTEMPTS} attempts ended in failed analyses; the last: {error}", where="mdo"
-                ) from error
-            best.go(problem)
-            _shrink(problem, best)
-            continue
-        break
-    if failures:
+        error = _attempt(problem, spent)
+        if error is None:
+            break
+        failures.append(str(error))
         record.note("failures", failures)
+        if len(failures) == ATTEMPTS:
+            text = f"{ATTEMPTS} attempts ended in failed analyses; the last: {error}"
+            raise AnalysisFailure(text, where="mdo") from error
+        best.go(problem)
+        _shrink(problem, best)
     return {
-        "success": bool(done.success),
-        "message": str(done.exit_status),
-        "iterations": int(done.iter_count),
-        "evaluations": int(done.model_evals),
-        "gradients": int(done.deriv_evals),
-        "seconds": float(done.runtime),
+        "success": bool(problem.driver.result.success),
+        "message": getattr(problem.driver, "message", str(problem.driver.result.exit_status)),
+        **spent,
+        "seconds": perf_counter() - begun,
         "failures": failures,
     }
+
+
+def _attempt(problem: om.Problem, spent: dict[str, int]) -> om.AnalysisError | None:
+    """Run the driver once and add what it spent; the analysis that failed, if one did."""
+    try:
+        problem.run_driver()
+    except om.AnalysisError as error:
+        return error
+    finally:
+        done = problem.driver.result
+        spent["iterations"] += int(done.iter_count)
+        spent["evaluations"] += int(done.model_evals)
+        spent["gradients"] += int(done.deriv_evals)
+    return None
 
 
 def _shrink(problem: om.Problem, best: _Best) -> None:

@@ -11,12 +11,12 @@ import openmdao.api as om
 from hera_om.aircraft import Aircraft, definition_hash, variable_box
 from hera_om.components.aero import Aerodynamics
 from hera_om.components.mass import MassProperties
-from hera_om.components.surrogate import DERIVED, interface, sampled_inputs
+from hera_om.components.surrogate import derived, interface, sampled_inputs
 from hera_om.core.errors import AnalysisFailure
 from hera_om.surrogates import latin_hypercube, save
 from hera_om.surrogates import train as fit
 
-Progress = Callable[[int, float, float, float], None]
+Progress = Callable[[int, int, float], None]
 
 UNSEEN = 0.2  # of the samples are kept back to judge the models
 # Box of the states around the definition: degrees for angles, metres for the centre of gravity.
@@ -68,7 +68,7 @@ def train(
         samples: analyses for training; a fifth more are kept back to judge.
         seed: of the plan and of the training.
         out: file of the surrogate.
-        progress: called with the analyses done, their number, 0, and seconds.
+        progress: called with the analyses done, their number, and seconds.
 
     Returns:
         ``path``, ``samples``, ``failed``, ``quality`` (a row for each model of each output), ``shortfalls``,
@@ -124,7 +124,7 @@ def _analyse(aircraft: Aircraft, inputs: list[str], x: np.ndarray, progress: Pro
     problem.model.add_subsystem("aero", aero, promotes=["*"])
     problem.setup()
     problem.final_setup()
-    names = sorted(set(aero._var_rel_names["output"]) - set(DERIVED))
+    names = sorted(set(aero._var_rel_names["output"]) - set(derived(aircraft)))
     width = sum(problem.get_val(n).size for n in names)
     y, kept, begun = np.full((len(x), width), np.nan), np.zeros(len(x), bool), perf_counter()
     for i, row in enumerate(x):
@@ -136,7 +136,7 @@ def _analyse(aircraft: Aircraft, inputs: list[str], x: np.ndarray, progress: Pro
             continue
         y[i], kept[i] = np.concatenate([problem.get_val(n).ravel() for n in names]), True
         if progress is not None:
-            progress(i + 1, float(len(x)), 0.0, perf_counter() - begun)
+            progress(i + 1, len(x), perf_counter() - begun)
     return names, y, kept
 
 
