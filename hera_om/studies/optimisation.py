@@ -156,7 +156,8 @@ def _outputs(problem: om.Problem) -> Any:
 def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best) -> dict[str, Any]:
     """Run the driver, again after a failed analysis from the best design in a smaller box; count all attempts."""
     failures: list[str] = []
-    spent, begun = dict.fromkeys(("iterations", "evaluations", "gradients"), 0), perf_counter()
+    driver: Any = problem.driver
+    spent, begun = {"iterations": 0, "evaluations": 0, "gradients": 0}, perf_counter()
     while True:
         error = _attempt(problem, spent)
         if error is None:
@@ -169,8 +170,8 @@ def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best)
         best.go(problem)
         _shrink(problem, best)
     return {
-        "success": bool(problem.driver.result.success),
-        "message": getattr(problem.driver, "message", str(problem.driver.result.exit_status)),
+        "success": bool(driver.result.success),
+        "message": getattr(driver, "message", str(driver.result.exit_status)),
         **spent,
         "seconds": perf_counter() - begun,
         "failures": failures,
@@ -179,12 +180,13 @@ def _drive(problem: om.Problem, aircraft: Aircraft, record: Record, best: _Best)
 
 def _attempt(problem: om.Problem, spent: dict[str, int]) -> om.AnalysisError | None:
     """Run the driver once and add what it spent; the analysis that failed, if one did."""
+    driver: Any = problem.driver
     try:
         problem.run_driver()
     except om.AnalysisError as error:
         return error
     finally:
-        done = problem.driver.result
+        done = driver.result
         spent["iterations"] += int(done.iter_count)
         spent["evaluations"] += int(done.model_evals)
         spent["gradients"] += int(done.deriv_evals)
