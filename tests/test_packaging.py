@@ -67,7 +67,7 @@ def test_metadata(wheel):
     metadata = Parser().parsestr(read("METADATA"))
     assert metadata["Name"] == "hera-om"
     assert metadata["License-Expression"] == "Apache-2.0"
-    assert "hera-om = hera_om.cli:main" in read("entry_points.txt")
+    assert "hera-om = hera_om.cli:run" in read("entry_points.txt")
     assert "Apache License" in read("licenses/LICENSE")
 
 
