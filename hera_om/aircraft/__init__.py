@@ -1,12 +1,21 @@
 """What an aircraft is: the typed definition, TOML in and out, its numbers by path."""
 
+from hera_om.aircraft.avl_read import AvlWarning as AvlWarning
+from hera_om.aircraft.avl_write import write_avl as write_avl
 from hera_om.aircraft.definition import Aircraft as Aircraft
 from hera_om.aircraft.fields import Part as Part
 from hera_om.aircraft.io import definition_hash as definition_hash
 from hera_om.aircraft.io import dumps as dumps
 from hera_om.aircraft.io import load_aircraft as load_aircraft
 from hera_om.aircraft.io import loads as loads
+from hera_om.aircraft.io import raw_tables as raw_tables
+from hera_om.aircraft.io import read_avl as read_avl
 from hera_om.aircraft.io import shipped as shipped
+from hera_om.aircraft.lifting_surfaces import LiftingSurface as LiftingSurface
+from hera_om.aircraft.lifting_surfaces import SurfaceCommand as SurfaceCommand
+from hera_om.aircraft.lifting_surfaces import command_limit_deg as command_limit_deg
+from hera_om.aircraft.lifting_surfaces import commands as commands
+from hera_om.aircraft.lifting_surfaces import lifting_surfaces as lifting_surfaces
 from hera_om.aircraft.paths import VariableBox as VariableBox
 from hera_om.aircraft.paths import blank as blank
 from hera_om.aircraft.paths import fill as fill

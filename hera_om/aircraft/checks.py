@@ -12,6 +12,7 @@ from hera_om.aircraft.rules import Finding
 from hera_om.aircraft.rules_geometry import geometry_findings
 from hera_om.aircraft.rules_names import name_findings, variable_findings
 from hera_om.aircraft.rules_rotors import rotor_findings
+from hera_om.aircraft.rules_surfaces import surface_findings
 from hera_om.core.errors import Problem
 
 _MOST_VARIABLES_FOR_ALL_CORNERS = 8  # 2^8 corners take about 0.2 s
@@ -34,6 +35,7 @@ def find_problems(aircraft: Aircraft, file: str) -> list[Problem]:
 def _number_findings(aircraft: Aircraft) -> Iterator[Finding]:
     """Every rule that depends on numbers."""
     yield from geometry_findings(aircraft)
+    yield from surface_findings(aircraft)
     yield from rotor_findings(aircraft)
 
 

@@ -2,8 +2,10 @@
 
 from pydantic import Field
 
+from hera_om.aircraft.airfoils import Airfoil
 from hera_om.aircraft.body import DragArea, Fuselage
 from hera_om.aircraft.fields import Part, item
+from hera_om.aircraft.free_surfaces import Surface
 from hera_om.aircraft.masses import Mass
 from hera_om.aircraft.mission import Flight, Lattice, Mission, Reference, Variable
 from hera_om.aircraft.rotors import Blade, Rotor
@@ -22,6 +24,8 @@ class Aircraft(Part):
     wing: Wing | None = item("wing", None)
     htail: HTail | None = item("horizontal tail", None)
     vtail: VTail | None = item("vertical tail", None)
+    surface: tuple[Surface, ...] = item("further lifting surfaces", ())
+    airfoil: tuple[Airfoil, ...] = item("airfoils by coordinates; those of .dat files are copied in when loading", ())
     fuselage: Fuselage | None = item("fuselage", None)
     drag_area: tuple[DragArea, ...] = item("drag areas", ())
     rotor: tuple[Rotor, ...] = item("rotor groups", ())

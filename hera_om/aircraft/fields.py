@@ -18,7 +18,11 @@ NAME_TEXT = {
     IDENTIFIER: "a letter, then letters, digits or _",
 }
 
-Kind = Literal["number", "integer", "switch", "text", "choice", "numbers", "table", "tables"]
+Kind = Literal["number", "integer", "switch", "text", "choice", "numbers", "constants", "table", "tables"]
+
+
+class Constant:
+    """Marks the elements of an array that is structure, not numbers with paths, such as coordinates of an airfoil."""
 
 
 class Part(BaseModel):
@@ -124,7 +128,7 @@ def _key(name: str, info: FieldInfo) -> Key:
     part = annotation if isinstance(annotation, type) and issubclass(annotation, Part) else None
     return Key(
         name=name,
-        kind=_kind(annotation, part, in_tuple, bool(choices)),
+        kind="constants" if any(m is Constant for m in metadata) else _kind(annotation, part, in_tuple, bool(choices)),
         optional=optional,
         part=part,
         choices=choices,

@@ -10,6 +10,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from hera_om.aircraft.airfoils import copy_airfoil_files
+from hera_om.aircraft.avl_read import avl_tables
 from hera_om.aircraft.checks import find_problems
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.fields import Part, keys_of
@@ -33,7 +35,7 @@ def load_aircraft(source: str | Path, overrides: Mapping[str, float] | None = No
     """Load a definition and check it.
 
     Args:
-        source: name of a shipped aircraft, or the path of a TOML file.
+        source: name of a shipped aircraft, or the path of a TOML file or of an AVL geometry file (.avl).
         overrides: values by dotted path that replace those of the file; an integer key takes a whole number.
 
     Raises:
@@ -45,7 +47,33 @@ def load_aircraft(source: str | Path, overrides: Mapping[str, float] | None = No
         raw = (resources.files("hera_om.aircraft") / "data" / file).read_bytes()
     else:
         file, raw = name, _read(name)
-    return _build(_decode(raw, file), file, overrides or {})
+    text = _decode(raw, file)
+    if file.lower().endswith(".avl"):
+        return _checked(avl_tables(text, file), file, overrides or {})
+    return _build(text, file, overrides or {})
+
+
+def read_avl(path: str | Path) -> Aircraft:
+    """Read an AVL geometry file, whatever its ending; see `avl_read` for signs and for what is left out.
+
+    Raises:
+        InputError: with every fault.
+    """
+    file = str(path)
+    return _checked(avl_tables(_decode(_read(file), file), file), file, {})
+
+
+def raw_tables(source: str | Path) -> dict[str, Any]:
+    """The tables of a definition before any check, an AVL file's included.
+
+    Raises:
+        InputError: it cannot be read as TOML or as an AVL file.
+    """
+    name = str(source)
+    if name in shipped():
+        return _parse((resources.files("hera_om.aircraft") / "data" / f"{name}.toml").read_text("utf-8"), name)
+    text = _decode(_read(name), name)
+    return avl_tables(text, name) if name.lower().endswith(".avl") else _parse(text, name)
 
 
 def loads(text: str, file: str = "<text>") -> Aircraft:
@@ -72,9 +100,13 @@ def definition_hash(aircraft: Aircraft) -> str:
 
 def _build(text: str, file: str, overrides: Mapping[str, float]) -> Aircraft:
     """Text to a checked aircraft; each stage reports all its faults."""
-    data = _parse(text, file)
+    return _checked(_parse(text, file), file, overrides)
+
+
+def _checked(data: dict[str, Any], file: str, overrides: Mapping[str, float]) -> Aircraft:
+    """Raw tables to a checked aircraft."""
     _add_shipped_material(data)
-    problems = []
+    problems = copy_airfoil_files(data, file)
     for path, value in overrides.items():
         expected = apply_override(data, path, value)
         if expected:
@@ -180,7 +212,7 @@ def _plain(part: Part) -> dict[str, Any]:
             continue
         if key.kind == "number":
             value = float(value) + 0.0
-        elif key.kind == "numbers":
+        elif key.kind in ("numbers", "constants"):
             value = [float(v) + 0.0 for v in value]
         elif key.kind == "table":
             value = _plain(value)

@@ -33,6 +33,7 @@ class Flight(Part):
     delta_e_deg: float = number("elevator, trailing edge down positive", "deg", 0.0, ge=-90, le=90)
     delta_a_deg: float = number("aileron, right trailing edge down positive", "deg", 0.0, ge=-90, le=90)
     delta_r_deg: float = number("rudder, trailing edge to port positive", "deg", 0.0, ge=-90, le=90)
+    delta_f_deg: float = number("flap, trailing edge down positive", "deg", 0.0, ge=-90, le=90)
 
 
 class Mission(Part):
@@ -64,9 +65,12 @@ class Lattice(Part):
     wing_chordwise: int = number("wing panels along the chord", "", 8, ge=1, le=200)
     wing_spanwise: int = number("wing panels along the semispan", "", 32, ge=2, le=1000)
     tail_chordwise: int = number("tail panels along the chord", "", 6, ge=1, le=200)
-    tail_spanwise: int = number("tail panels along the semispan or height", "", 12, ge=1, le=1000)
+    tail_spanwise: int = number("tail panels along the semispan", "", 12, ge=1, le=1000)
+    fin_chordwise: int | None = number("fin panels along the chord; absent: those of the tail", "", None, ge=1, le=200)
+    fin_spanwise: int | None = number("fin panels along the height; absent: those of the tail", "", None, ge=1, le=1000)
     spacing: Literal["cosine", "uniform", "sine"] = item("panels along the span; sine: dense at the tip", "cosine")
     chordwise_spacing: Literal["uniform", "cosine"] = item("panels along the chord", "uniform")
+    wake: Literal["x", "stream"] = item("direction of the trailing vortices: the x axis or the free stream", "x")
     rotor_radial: int = number("rotor stations along the radius", "", 10, ge=2, le=500)
     rotor_azimuthal: int = number("rotor stations around the disk", "", 12, ge=1, le=720)
     box_stations: int = number("wing box stations along the semispan", "", 24, ge=3, le=1000)

@@ -48,8 +48,8 @@ class VariableBox(NamedTuple):
 def numbers(aircraft: Aircraft) -> dict[str, Any]:
     """Every number of the definition by path, in the order of the schema.
 
-    Floats only: integers, switches, text and absent numbers are structure. The values are floats, or whatever
-    ``fill`` has put in.
+    Floats only: integers, switches, text, coordinates of airfoils and absent numbers are structure. The values
+    are floats, or whatever ``fill`` has put in.
     """
     return dict(_numbers(aircraft, ""))
 

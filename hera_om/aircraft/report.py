@@ -10,19 +10,22 @@ from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.fields import NAME_TEXT, Key, Part, keys_of
 from hera_om.aircraft.masses import TRACKS
 from hera_om.aircraft.paths import suggest
+from hera_om.aircraft.spacing import LAW, LAW_TEXT
 from hera_om.aircraft.surfaces import AIRFOIL, AIRFOIL_TEXT
 from hera_om.core.errors import Problem
 
 _INDEX = re.compile(r"\[\d+\]")
 _PATTERNS = NAME_TEXT | {
     AIRFOIL: AIRFOIL_TEXT,
+    LAW: LAW_TEXT,
     TRACKS: "'wing', 'htail', 'vtail', 'fuel' or 'rotor:<group>'",
 }
 
 
 def problems_of(error: ValidationError, data: Mapping[str, Any], file: str) -> list[Problem]:
     """Every fault of one validation, in the order of the schema."""
-    return [_problem(dict(e), data, file) for e in error.errors(include_url=False)]
+    found = [dict(e) for e in error.errors(include_url=False)]
+    return [_problem(e, data, file) for e in found if not _follows(e)]
 
 
 def expectation(key: Key, path: str) -> str:
@@ -40,8 +43,8 @@ def expectation(key: Key, path: str) -> str:
     elif key.kind == "text":
         text = _PATTERNS.get(key.pattern() or "", "a text")
     else:
-        noun = {"number": "a finite number", "integer": "an integer", "numbers": "an array of finite numbers"}
-        text = f"{noun[key.kind]} {key.range_text()}".rstrip()
+        noun = {"number": "a finite number", "integer": "an integer"}.get(key.kind, "an array of finite numbers")
+        text = f"{noun} {key.range_text()}".rstrip()
     return f"{text}: {key.description}"
 
 
@@ -54,6 +57,11 @@ def shallow(value: Any) -> Any:
     if isinstance(value, int) and not isinstance(value, bool) and abs(value) > 10**30:
         return "an integer of more than 30 digits"
     return value if value is None or isinstance(value, str | int | float | bool) else str(value)
+
+
+def _follows(error: dict[str, Any]) -> bool:
+    """Whether an array counts as too short only because pydantic leaves out its faulty entries."""
+    return error["type"] == "too_short" and len(error["input"]) >= error["ctx"]["min_length"]
 
 
 def _problem(error: dict[str, Any], data: Mapping[str, Any], file: str) -> Problem:

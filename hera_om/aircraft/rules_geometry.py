@@ -95,6 +95,7 @@ def _polars(aircraft: Aircraft) -> Iterator[Finding]:
     """The polar reaches past its least drag."""
     polars = {
         **{s: part.polar for s in ("wing", "htail", "vtail") if (part := getattr(aircraft, s))},
+        **{f"surface.{s.name}": s.polar for s in aircraft.surface},
         **{f"blade.{b.name}": b.polar for b in aircraft.blade},
     }
     for path, polar in polars.items():
@@ -139,7 +140,7 @@ def _conditions(aircraft: Aircraft) -> Iterator[Finding]:
         if burnt > fuel:
             expected = f"with climb_fuel_kg within the items that track fuel, {fuel:g} [kg]"
             yield Finding("mission.cruise_fuel_kg", mission.cruise_fuel_kg, expected, "fuel")
-    if aircraft.wing is None and (aircraft.htail or aircraft.vtail):
+    if aircraft.wing is None and (aircraft.htail or aircraft.vtail or aircraft.surface):
         for key in ("S_m2", "c_m", "b_m"):
             if getattr(reference, key) is None:
                 yield Finding(f"reference.{key}", None, "a value, since no wing gives one", "reference")

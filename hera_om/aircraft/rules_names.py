@@ -5,8 +5,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.paths import numbers, suggest, unit_of
 from hera_om.aircraft.rules import Finding
+from hera_om.aircraft.rules_surfaces import airfoil_holders, names_of_surfaces
 from hera_om.aircraft.structure import shipped_materials
+from hera_om.aircraft.surfaces import AIRFOIL_TEXT
 from hera_om.core.registry import OUTPUTS
+
+BUILT_IN = ("wing", "htail", "vtail")
 
 
 def name_findings(aircraft: Aircraft) -> Iterator[Finding]:
@@ -55,16 +59,27 @@ def _duplicates(aircraft: Aircraft) -> Iterator[Finding]:
         "mass": aircraft.mass,
         "material": aircraft.material,
         "variables": aircraft.variables,
+        "surface": aircraft.surface,
+        "airfoil": aircraft.airfoil,
+        **dict(names_of_surfaces(aircraft)),
     }
     for path, entries in arrays.items():
         names = [entry.name for entry in entries]
         for name in dict.fromkeys(n for n in names if names.count(n) > 1):
             expected = f"a name that stands once among [[{path}]], not {names.count(name)} times"
             yield Finding(f"{path}.{name}.name", name, expected, "duplicate")
+    for surface in aircraft.surface:
+        if surface.name in BUILT_IN:
+            expected = f"another name than {', '.join(BUILT_IN)}, which are tables of their own"
+            yield Finding(f"surface.{surface.name}.name", surface.name, expected, "duplicate")
+    for airfoil in aircraft.airfoil:
+        if airfoil.name.lower() == "flat":
+            yield Finding(f"airfoil.{airfoil.name}.name", airfoil.name, "another name than flat", "duplicate")
 
 
 def _references(aircraft: Aircraft) -> Iterator[Finding]:
-    """Names of blades, materials and rotor groups."""
+    """Names of blades, materials, rotor groups and airfoils."""
+    yield from _airfoils(aircraft)
     blades = [b.name for b in aircraft.blade]
     groups = [r.name for r in aircraft.rotor]
     for rotor in aircraft.rotor:
@@ -78,6 +93,14 @@ def _references(aircraft: Aircraft) -> Iterator[Finding]:
         own: Mapping[str, object] = {m.name: m for m in aircraft.material}
         known = list(own | shipped_materials())
         yield from _reference("wing.structure.material", aircraft.wing.structure.material, known, "material")
+
+
+def _airfoils(aircraft: Aircraft) -> Iterator[Finding]:
+    """Airfoils of sections and tails."""
+    own = [a.name for a in aircraft.airfoil]
+    for key, name in airfoil_holders(aircraft):
+        if name != "flat" and not name.startswith("NACA ") and name not in own:
+            yield Finding(key, name, AIRFOIL_TEXT + suggest(name, [*own, "flat"]), "reference")
 
 
 def _reference(key: str, name: str, known: Iterable[str], table: str) -> Iterator[Finding]:

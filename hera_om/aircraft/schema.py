@@ -34,7 +34,9 @@ def _accepts(key: Key) -> str:
     """Type and range of a key."""
     if key.kind == "choice":
         return ", ".join(f"`{choice}`" for choice in key.choices)
-    noun = {"switch": "true or false", "tables": "array of tables", "numbers": "array"}.get(key.kind, key.kind)
+    noun = {"switch": "true or false", "tables": "array of tables", "numbers": "array", "constants": "array"}.get(
+        key.kind, key.kind
+    )
     return f"{noun} {key.range_text()}".rstrip()
 
 

@@ -3,11 +3,23 @@
 from pydantic import Field
 
 from hera_om.aircraft.fields import NAME, Part, item, number
+from hera_om.aircraft.spacing import LAW
 from hera_om.aircraft.structure import WingStructure
 
-AIRFOIL = r"^(flat|NACA (00[0-9]{2}|[1-9][1-9][0-9]{2}|[1-9][1-5][01][0-9]{2}))$"
-AIRFOIL_TEXT = "'flat', or a NACA 4- or 5-digit name such as 'NACA 2412' or 'NACA 43018'"
-_AIRFOIL_MEANING = "mean line, NACA 4 or 5 digits or flat; the thickness that counts is the key thickness"
+NACA = r"NACA (00[0-9]{2}|[1-9][1-9][0-9]{2}|[1-9][1-5][01][0-9]{2})"
+AIRFOIL = rf"^({NACA}|[A-Za-z][A-Za-z0-9_-]*)$"
+AIRFOIL_TEXT = (
+    "'flat', a NACA 4- or 5-digit name such as 'NACA 2412' or 'NACA 43018', the name of an [[airfoil]], "
+    "or the path of a coordinate file that ends in .dat"
+)
+AIRFOIL_MEANING = (
+    "mean line: flat, NACA 4 or 5 digits, an [[airfoil]] or a .dat file; the thickness that counts is the key thickness"
+)
+STRIPS = "strips of the segment outboard of the section; absent: shared out by the surface's number"
+STRIP_SPACING = (
+    "spacing of these strips within the segment, words or numbers as for a [[surface]]; absent: the part of the "
+    "surface's own law that they stand for"
+)
 
 
 class Polar(Part):
@@ -28,13 +40,15 @@ class Section(Part):
     chord_m: float = number("chord", "m", gt=0, le=1000)
     twist_deg: float = number("geometric twist, nose up", "deg", 0.0, ge=-45, le=45)
     thickness: float = number("largest thickness over chord", gt=0, lt=0.5)
-    airfoil: str = item(_AIRFOIL_MEANING, pattern=AIRFOIL)
+    airfoil: str = item(AIRFOIL_MEANING, pattern=AIRFOIL)
     sweep_quarter_deg: float | None = number(
         "sweep of the quarter-chord line of the segment inboard of the section", "deg", None, gt=-70, lt=70
     )
     dihedral_deg: float | None = number("dihedral of the segment inboard of the section", "deg", None, gt=-70, lt=70)
     x_le_m: float | None = number("position of the leading edge, instead of the sweep", "m", None)
     z_m: float | None = number("height of the section, instead of the dihedral", "m", None)
+    strips: int | None = number(STRIPS, "", None, ge=1, le=1000)
+    spacing: str | None = item(STRIP_SPACING, None, pattern=LAW)
 
 
 class Control(Part):
@@ -105,7 +119,7 @@ class HTail(Part):
     dihedral_deg: float = number("dihedral", "deg", 0.0, gt=-70, lt=70)
     incidence_deg: float = number("setting angle, nose up", "deg", 0.0, ge=-30, le=30)
     scale: float = number("linear scale; the quarter of the mean chord stays where it is", "", 1.0, gt=0)
-    airfoil: str = item(_AIRFOIL_MEANING, "flat", pattern=AIRFOIL)
+    airfoil: str = item(AIRFOIL_MEANING, "flat", pattern=AIRFOIL)
     thickness: float = number("largest thickness over chord", "", 0.12, gt=0, lt=0.5)
     x_quarter_mac_m: float = number("quarter of the mean aerodynamic chord", "m")
     z_m: float = number("height of the root", "m", 0.0)
@@ -122,7 +136,7 @@ class VTail(Part):
     taper: float = number("tip chord over root chord", gt=0, le=2)
     sweep_quarter_deg: float = number("sweep of the quarter-chord line", "deg", 0.0, gt=-70, lt=70)
     scale: float = number("linear scale; the root's leading edge stays where it is", "", 1.0, gt=0)
-    airfoil: str = item(_AIRFOIL_MEANING, "flat", pattern=AIRFOIL)
+    airfoil: str = item(AIRFOIL_MEANING, "flat", pattern=AIRFOIL)
     thickness: float = number("largest thickness over chord", "", 0.12, gt=0, lt=0.5)
     x_le_root_m: float = number("leading edge of the root", "m")
     z_root_m: float = number("height of the root", "m", 0.0)

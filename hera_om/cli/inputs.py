@@ -4,13 +4,11 @@ import argparse
 import math
 import os
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from hera_om.aircraft import Aircraft, load_aircraft, shipped
+from hera_om.aircraft import Aircraft, load_aircraft, raw_tables
 from hera_om.aircraft.io import OVERRIDE
 from hera_om.aircraft.paths import suggest
 from hera_om.cli.parser import COMMAND_LINE
@@ -28,6 +26,7 @@ FLIGHT = {
     "delta_e": "flight.delta_e_deg",
     "delta_a": "flight.delta_a_deg",
     "delta_r": "flight.delta_r_deg",
+    "delta_f": "flight.delta_f_deg",
 }
 """Registry inputs that are numbers of the definition in the same unit, and their paths."""
 
@@ -51,7 +50,7 @@ def prepare(args: argparse.Namespace) -> Aircraft:
     Raises:
         InputError: with every fault of options, files, assignments and definition.
     """
-    tables = _raw_tables(args.aircraft)
+    tables = _tables(args.aircraft)
     if "out" in args and args.out is None:
         args.out = _surrogate_file(args.aircraft, tables)
     problems = [*_option_problems(args), *_target_problems(args), *_aero_problems(args, tables)]
@@ -100,15 +99,11 @@ def page_file(name: str | None, database: Path) -> Path:
     return path
 
 
-def _raw_tables(source: str) -> dict[str, Any]:
+def _tables(source: str) -> dict[str, Any]:
     """The definition before any check; empty when it cannot be read, which loading reports better."""
     try:
-        if source in shipped():
-            raw = (resources.files("hera_om.aircraft") / "data" / f"{source}.toml").read_bytes()
-        else:
-            raw = Path(source).read_bytes() if Path(source).is_file() else b""
-        return tomllib.loads(raw.decode("utf-8-sig"))
-    except (OSError, ValueError, RecursionError):
+        return raw_tables(source)
+    except InputError:
         return {}
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import openmdao.api as om
 from jax.flatten_util import ravel_pytree
 
+from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
@@ -26,16 +27,13 @@ from hera_om.physics.coupling import (
     make_system,
     split_factors,
 )
-from hera_om.physics.geometry import CAMBER
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
 COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
-GEOMETRY = (
-    "wing",
-    "htail",
-    "lattice",
-)  # what the factorised system reads, beside the disks and the Mach number
+LATERAL = ("CY", "Cl", "Cn")
+# What the factorised system reads, beside the disks and the Mach number.
+GEOMETRY = ("wing", "htail", "vtail", "surface", "lattice")
 
 
 class Aerodynamics(JaxComponent):
@@ -44,6 +42,9 @@ class Aerodynamics(JaxComponent):
     Evaluation has two stages: assembly and factorisation, which read geometry and Mach number, are kept while
     those stand still; the state (incidence, rates, controls, blade pitch, altitude, moment point) is then
     cheap.
+
+    With the option ``lateral`` both halves of the aircraft are solved: sideslip, roll and yaw rate, aileron and
+    rudder become inputs, side force, rolling and yawing moment and all derivatives by them outputs.
 
     While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
     elevator and blade pitch, from derivatives that `compute` has found anyway.
@@ -57,15 +58,21 @@ class Aerodynamics(JaxComponent):
         "wing.polar",
         "htail",
         "vtail",
+        "surface",
     )
     READS += ("fuselage", "drag_area", "rotor", "blade", "reference", "flight")
     states_only = False
 
+    def initialize(self) -> None:
+        """Declare options."""
+        super().initialize()
+        self.options.declare("lateral", types=bool, default=False, desc="whether the two halves may differ")
+
     def declare(self) -> None:
         """Condition and controls in; coefficients, derivatives, rotors and loads out."""
         aircraft = self.options["aircraft"]
-        self.statics = AeroPlan(aircraft)
-        self.constants = tuple(arrays.grids(aircraft))
+        self.statics = AeroPlan(aircraft, self.options["lateral"])
+        self.constants = tuple(arrays.grids(aircraft, self.options["lateral"]))
         point = np.asarray(arrays.moment_point(aircraft))
         flight = aircraft.flight
         defaults = {
@@ -74,6 +81,9 @@ class Aerodynamics(JaxComponent):
             "delta_e": flight.delta_e_deg,
             "mach": flight.mach,
         }
+        if self.options["lateral"]:
+            defaults |= {"beta": flight.beta_deg, "p_hat": flight.p_hat, "r_hat": flight.r_hat}
+        defaults |= {name: getattr(flight, f"{name}_deg") for name in self.statics.commands}
         defaults |= {"altitude": flight.altitude_m, "x_cg": point[0], "z_cg": point[2]}
         defaults |= {f"theta_{r.name}": r.beta75_deg for r in aircraft.rotor}
         for name, value in defaults.items():
@@ -119,14 +129,10 @@ class Aerodynamics(JaxComponent):
 
     def _balances(self, partials, kept: "State") -> None:
         """Partials of the balances by the trim's states, per degree, from derivatives among the outputs."""
-        by = [
-            ("alpha", 0),
-            ("delta_e", 2),
-            *((f"theta_{g}", 3 + i) for i, g in enumerate(self.statics.groups)),
-        ]
-        for wrt, column in by:
-            for of, row in zip(COEFFICIENTS, kept.by, strict=True):
-                partials[of, wrt] = float(row[column]) * RAD
+        states = ("alpha", "delta_e", *(f"theta_{g}" for g in self.statics.groups))
+        for wrt, column in ((n, i) for i, n in enumerate(self.statics.columns) if n in states):
+            for of in COEFFICIENTS:
+                partials[of, wrt] = float(getattr(kept.by, of)[column]) * RAD
             for i, group in enumerate(self.statics.groups):
                 members = self.statics.members(i)
                 partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
@@ -184,15 +190,14 @@ def _keep(store: OrderedDict, key, make):
 class AeroPlan:
     """Hashable statics of the aerodynamics of an aircraft."""
 
-    def __init__(self, aircraft, shape: str = CAMBER) -> None:
+    def __init__(self, aircraft, lateral: bool = False) -> None:
         self.rotors = arrays.plan(aircraft)
         self.groups = tuple(r.name for r in aircraft.rotor)
-        self.tail = 1 if aircraft.wing is not None and aircraft.htail is not None else None
-        self.elevator = aircraft.htail is not None and aircraft.htail.control.elevator is not None
-        self.shape = shape
+        self.commands = arrays.model_commands(aircraft, lateral)
+        self.model = arrays.model(aircraft, lateral)
 
     def _key(self):
-        return self.rotors, self.groups, self.tail, self.elevator, self.shape
+        return self.rotors, self.groups, self.commands, self.model
 
     def __hash__(self) -> int:
         """Hash of the statics."""
@@ -215,7 +220,8 @@ class AeroPlan:
             "CD_areas",
         ]
         scalars += ["lift_margin", "dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
-        scalars += [f"{c}_{by}" for c in COEFFICIENTS for by in self.by]
+        scalars += LATERAL if self.model.lateral else ()
+        scalars += [f"{c}_{by}" for c in self.coefficients for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
         if self.groups:
             out |= {name: (1,) for name in ("thrust", "power")}
@@ -224,7 +230,7 @@ class AeroPlan:
             m = sum(len(self.members(i)) for i in range(len(self.groups)))
             out |= {"rotor_hub": (m, 3), "rotor_force": (m, 3), "rotor_moment": (m, 3)}
         if aircraft.wing is not None:
-            ns = aircraft.lattice.wing_spanwise
+            ns = lifting_surfaces(aircraft)[0].spanwise
             out |= {"cl_span": (ns,), "y_span": (ns,), "strip_edge": (ns + 1,), "strip_point": (ns, 3)}
             out |= {"strip_force": (ns, 3), "strip_moment": (ns, 3)}
         return out
@@ -234,10 +240,20 @@ class AeroPlan:
         return [] if self.rotors is None else [k for k, g in enumerate(self.rotors.groups) if g == group]
 
     @property
+    def coefficients(self) -> tuple[str, ...]:
+        """The coefficients of the model."""
+        return COEFFICIENTS + LATERAL if self.model.lateral else COEFFICIENTS
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the state, in the order of `aerodynamics.AeroResult`: rates without their hats."""
+        slip = ("beta", "p", "r") if self.model.lateral else ()
+        return ("alpha", "q", *self.commands, *(f"theta_{g}" for g in self.groups), *slip)
+
+    @property
     def by(self) -> tuple[str, ...]:
         """What coefficients are differentiated by."""
-        elevator = ("delta_e",) if self.elevator else ()
-        return ("alpha", "q", "alphadot", *elevator, *(f"theta_{g}" for g in self.groups))
+        return (*self.columns, "alphadot")
 
 
 _TEXTS: dict[str, dict[str, Any]] = {
@@ -260,8 +276,8 @@ _TEXTS: dict[str, dict[str, Any]] = {
 
 def _system(aircraft, statics: AeroPlan, constants, inputs: Values) -> System:
     """First stage."""
-    surfaces = arrays.surfaces(aircraft, list(constants))
-    return make_system(surfaces, arrays.rotors(aircraft), statics.rotors, inputs["mach"], statics.shape)
+    surfaces = arrays.surfaces(aircraft, list(constants), statics.model.lateral)
+    return make_system(surfaces, arrays.rotors(aircraft), statics.rotors, inputs["mach"], statics.model)
 
 
 def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tuple[Controls, Setting, Body]:
@@ -273,17 +289,21 @@ def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tup
         flow.speed > 0, pull_up_rate(jnp.where(flow.speed > 0, flow.speed, 1.0), inputs["load_factor"]), 0.0
     )
     q_hat = inputs["q_hat"] + turning * body.c / (2 * jnp.where(flow.speed > 0, flow.speed, 1.0))
+    delta = [inputs[name] * RAD for name in statics.commands]
     theta = [inputs[f"theta_{g}"] * RAD for g in statics.groups]
-    x = Controls(inputs["alpha"] * RAD, q_hat, inputs["delta_e"] * RAD, jnp.stack(theta) if theta else jnp.zeros(0))
-    return x, Setting(system, arrays.rotors(aircraft), flow, body.c), body
+    slip = [inputs["beta"] * RAD, inputs["p_hat"], inputs["r_hat"]] if statics.model.lateral else []
+    rows = [jnp.stack(v) if v else jnp.zeros(0) for v in (delta, theta, slip)]
+    x = Controls(inputs["alpha"] * RAD, jnp.asarray(q_hat), *rows)
+    return x, Setting(system, arrays.rotors(aircraft), flow, body.c, body.b), body
 
 
 def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse) -> AeroResult:
     """Second stage at a root; with ``inverse`` the root carries derivatives."""
     x, at, body = _setting(aircraft, statics, system, inputs)
     flat = root.flat if inverse is None else carry_derivatives(root, inverse, x, at, statics.rotors)
-    surfaces = arrays.surfaces(aircraft, list(constants))
-    return evaluate(flat, x, surfaces, at=at, plan=statics.rotors, body=body, tail=statics.tail, phi=root.phi)
+    surfaces = arrays.surfaces(aircraft, list(constants), statics.model.lateral)
+    how = {"plan": statics.rotors, "model": statics.model}
+    return evaluate(flat, x, surfaces, at=at, body=body, phi=root.phi, **how)
 
 
 def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
@@ -299,12 +319,12 @@ def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result
 
 def _coefficients(statics: AeroPlan, result: AeroResult) -> Values:
     """Coefficients and their derivatives, angles per radian."""
-    out: Values = dict(zip(COEFFICIENTS, result.total, strict=True))
+    out: Values = {name: getattr(result.total, name) for name in statics.coefficients}
     out["L_over_D"] = result.total.CL / jnp.where(result.total.CD == 0, 1.0, result.total.CD)
-    columns = ["alpha", "q", "delta_e", *(f"theta_{g}" for g in statics.groups)]
-    for name, row, lag in zip(COEFFICIENTS, result.derivatives, result.alphadot, strict=True):
-        out |= {f"{name}_{by}": row[i] for i, by in enumerate(columns) if by in statics.by}
-        out[f"{name}_alphadot"] = lag
+    for name in statics.coefficients:
+        row = getattr(result.derivatives, name)
+        out |= {f"{name}_{by}": row[i] for i, by in enumerate(statics.columns)}
+        out[f"{name}_alphadot"] = getattr(result.alphadot, name)
     return out
 
 

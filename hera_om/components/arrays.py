@@ -1,17 +1,22 @@
 """From a definition to the arrays that the physics takes; traced numbers pass through."""
 
+import math
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from hera_om.aircraft.definition import Aircraft
-from hera_om.aircraft.reference import reference_c, reference_S, wing_quarter_mac, wing_sections
+from hera_om.aircraft.lifting_surfaces import LiftingSurface, commands, lifting_surfaces
+from hera_om.aircraft.reference import reference_b, reference_c, reference_S, wing_quarter_mac
 from hera_om.aircraft.rotors import hub_ys
-from hera_om.aircraft.surfaces import HTail
-from hera_om.physics.aero_cases import Body, Drag, Flow, RotorPlan, Rotors, StripPolar, Surface
+from hera_om.aircraft.spacing import segment_points
+from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, StripPolar, Surface
 from hera_om.physics.atmosphere import isa
+from hera_om.physics.controls import Control
 from hera_om.physics.fuselage import Fuselage, fuselage_drag, fuselage_moment_slope
-from hera_om.physics.geometry import Grid, Sections, hinge_share, make_grid
+from hera_om.physics.geometry import Grid, Sections, cut, segment_weights, span_weights
+from hera_om.physics.layout import FREE, PLANE, ROOTED, SINGLE
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import sense_sign
 from hera_om.physics.section_polar import SectionPolar
@@ -20,66 +25,91 @@ RAD = np.pi / 180
 NO_POLAR = StripPolar(0.0, 0.0, 0.0, 1e6, 10.0)
 
 
-def grids(aircraft: Aircraft) -> list[Grid]:
-    """Panel layouts of wing and tail, cut at the baseline; they keep their shares when sections move."""
-    lat, out = aircraft.lattice, []
-    if aircraft.wing is not None:
-        y = [s.y_m for s in aircraft.wing.section]
-        names = [s.airfoil for s in aircraft.wing.section]
-        out.append(_grid(y, names, lat.wing_chordwise, lat.wing_spanwise, aircraft))
-    if aircraft.htail is not None:
-        out.append(_grid([0.0, 1.0], [aircraft.htail.airfoil] * 2, lat.tail_chordwise, lat.tail_spanwise, aircraft))
-    return out
+def parts(aircraft: Aircraft, lateral: bool, tan=math.tan) -> list[LiftingSurface]:
+    """Lifting surfaces of a model, the wing first. Mirrored flow has no fin: nothing loads it there."""
+    return [s for s in lifting_surfaces(aircraft, tan) if lateral or not s.in_plane]
 
 
-def _grid(y, names, nc: int, ns: int, aircraft: Aircraft) -> Grid:
-    """Grid of one surface by the definition's spacing laws."""
-    return make_grid(y, names, nc=nc, ns=ns, span=aircraft.lattice.spacing, chord=aircraft.lattice.chordwise_spacing)
+def model_commands(aircraft: Aircraft, lateral: bool) -> tuple[str, ...]:
+    """Commands of a model: all that some control answers to, or the elevator's alone."""
+    return tuple(c for c in commands(aircraft) if lateral or c == "delta_e")
 
 
-def surfaces(aircraft: Aircraft, layout: list[Grid]) -> list[Surface]:
-    """Wing first, then the tail."""
-    out, rest = [], list(layout)
-    if aircraft.wing is not None:
-        out.append(Surface(wing_arrays(aircraft), rest.pop(0), _polar(aircraft.wing.polar)))
-    if aircraft.htail is not None:
-        tail, grid = tail_sections(aircraft.htail), rest.pop(0)
-        elevator = aircraft.htail.control.elevator
-        if elevator is not None:
-            share = hinge_share(grid, tail.y, ends=(0.0, tail.y[-1]), hinge=elevator.hinge, gain=elevator.gain)
-            grid = grid._replace(hinge_share=share)
-        out.append(Surface(tail, grid, _polar(aircraft.htail.polar)))
-    return out
+def model(aircraft: Aircraft, lateral: bool) -> Model:
+    """Static facts of the lattice.
+
+    Raises:
+        ValueError: a surface without an image needs lateral flow.
+    """
+    found = parts(aircraft, lateral)
+    alone = [s.name for s in found if not (s.symmetric or s.in_plane)]
+    if alone and not lateral:
+        raise ValueError(f"surface {alone[0]!r} has no mirror image: its flow is never symmetric")
+    kinds = tuple(_kind(s) for s in found)
+    return Model(kinds, commands=len(model_commands(aircraft, lateral)), lateral=lateral)
 
 
-def _polar(polar) -> StripPolar:
+def _kind(surface: LiftingSurface) -> str:
+    """How a surface meets the plane of symmetry at the baseline."""
+    if surface.in_plane:
+        return PLANE
+    if not surface.symmetric:
+        return SINGLE
+    return ROOTED if float(surface.y[0]) == 0.0 else FREE
+
+
+def grids(aircraft: Aircraft, lateral: bool = False) -> list[Grid]:
+    """Panel layouts of the surfaces, cut at the baseline; they keep their shares when sections move."""
+    return [_grid(s) for s in parts(aircraft, lateral)]
+
+
+def _grid(s: LiftingSurface) -> Grid:
+    """Panel layout of one surface."""
+    if s.segments is None:
+        span = span_weights([float(v) for v in s.station], s.spanwise, s.spanwise_law)
+    else:
+        span = segment_weights([segment_points(segment) for segment in s.segments])
+    return cut(span, s.airfoils, s.chordwise, s.chordwise_law)
+
+
+def surfaces(aircraft: Aircraft, layout: list[Grid], lateral: bool = False) -> list[Surface]:
+    """The surfaces of a model, the wing first. The fin's profile drag is among the drag areas."""
+    order = model_commands(aircraft, lateral)
+    pairs = zip(parts(aircraft, lateral, jnp.tan), layout, strict=True)
+    return [Surface(sections_of(s), grid, _polar(s), _row(s.station), _controls(s, order)) for s, grid in pairs]
+
+
+def sections_of(s: LiftingSurface) -> Sections:
+    """Sections of a surface with incidence and twist together."""
+    twist = _row((s.incidence_deg + t) * RAD for t in s.twist_deg)
+    return Sections(_row(s.x_le), _row(s.y), _row(s.z), _row(s.chord), twist)
+
+
+def _controls(s: LiftingSurface, order: tuple[str, ...]) -> tuple[Control, ...]:
+    """Controls of a surface that answer to the commands of the model."""
+    return tuple(
+        Control(
+            command=np.array([float(c.command == name) for name in order]),
+            ends=_row(c.ends),
+            hinge=_row(c.hinge),
+            gain=_row(c.gain),
+            mirror=c.mirror,
+            axis=None if c.axis is None else _row(c.axis),
+        )
+        for c in s.controls
+        if c.command in order
+    )
+
+
+def _polar(s: LiftingSurface) -> StripPolar:
     """Polar of a surface; without one there is no profile drag."""
-    if polar is None:
-        return NO_POLAR
-    return StripPolar(polar.cd_min, polar.cl_at_cd_min, polar.k, polar.re, polar.cl_max)
+    p = s.polar
+    return NO_POLAR if p is None or s.name == "vtail" else StripPolar(p.cd_min, p.cl_at_cd_min, p.k, p.re, p.cl_max)
 
 
 def wing_arrays(aircraft: Aircraft) -> Sections:
-    """Sections of the wing with incidence and twist together."""
-    wing = aircraft.wing
-    assert wing is not None
-    places = wing_sections(wing, jnp.tan)
-    twist = [(wing.incidence_deg + s.twist_deg) * RAD for s in wing.section]
-    x, y, z = (jnp.stack([jnp.asarray(v, float) for v in axis]) for axis in zip(*places, strict=True))
-    return Sections(x, y, z, _row(s.chord_m for s in wing.section), _row(twist))
-
-
-def tail_sections(tail: HTail) -> Sections:
-    """Root and tip of a trapezoid whose quarter of the mean aerodynamic chord stays where it is."""
-    area = tail.S_m2 * tail.scale**2
-    span = jnp.sqrt(tail.aspect_ratio * area)
-    root = 2 * area / (span * (1 + tail.taper))
-    y_mac = span / 6 * (1 + 2 * tail.taper) / (1 + tail.taper)
-    slope, rise = jnp.tan(tail.sweep_quarter_deg * RAD), jnp.tan(tail.dihedral_deg * RAD)
-    y = _row([0.0, span / 2])
-    chord = _row([root, root * tail.taper])
-    quarter = tail.x_quarter_mac_m + (y - y_mac) * slope
-    return Sections(quarter - chord / 4, y, tail.z_m + y * rise, chord, _row([tail.incidence_deg * RAD] * 2))
+    """Sections of the wing."""
+    return sections_of(lifting_surfaces(aircraft, jnp.tan)[0])
 
 
 def plan(aircraft: Aircraft) -> RotorPlan | None:
@@ -152,14 +182,19 @@ def flow(aircraft: Aircraft, mach, altitude, point) -> Flow:
 
 def moment_point(aircraft: Aircraft):
     """Moment point of the definition, or the quarter of the wing's mean chord, or the origin."""
-    at = wing_quarter_mac(aircraft.wing, jnp.tan) if aircraft.wing is not None else (0.0, 0.0, 0.0)
+    at = _quarter(aircraft)
     given = (aircraft.reference.x_m, aircraft.reference.y_m, aircraft.reference.z_m)
     return _row([a if g is None else g for a, g in zip(at, given, strict=True)])
 
 
+def _quarter(aircraft: Aircraft):
+    """Quarter of the wing's mean chord, or the origin."""
+    return wing_quarter_mac(aircraft.wing, jnp.tan) if aircraft.wing is not None else (0.0, 0.0, 0.0)
+
+
 def body(aircraft: Aircraft, stream: Flow) -> Body:
     """Reference quantities, fuselage and drag areas; a rotor alone refers to its disk and diameter."""
-    S, c = reference(aircraft)
+    S, c, b = reference(aircraft)
     areas, slope = [], jnp.zeros(())
     count = sum(r.count_per_side for r in aircraft.rotor)
     free = jnp.zeros(max(count, 1))
@@ -168,44 +203,50 @@ def body(aircraft: Aircraft, stream: Flow) -> Body:
         f = aircraft.fuselage
         shape = Fuselage(f.length_m, f.width_m, f.height_m, f.nose_length_m, f.tail_length_m)
         slope = fuselage_moment_slope(shape, S=S, length_ref=c, munk_factor=f.munk_factor)
-        areas.append((fuselage_drag(shape, reynolds_per_length=unit, mach=stream.mach, S=S) * S, 0.0, free))
+        friction = fuselage_drag(shape, reynolds_per_length=unit, mach=stream.mach, S=S) * S
+        areas.append((friction, f.length_m / 2, 0.0, free))
     if aircraft.vtail is not None and aircraft.vtail.polar is not None:
         areas.append((*_fin(aircraft.vtail, unit), free))
     areas += [_area(aircraft, item, free) for item in aircraft.drag_area]
     if not areas:
-        areas.append((0.0, 0.0, free))
-    area, z, share = zip(*areas, strict=True)
-    return Body(S, c, slope, Drag(_row(area), _row(z), jnp.stack(share)))
+        areas.append((0.0, 0.0, 0.0, free))
+    area, x, z, share = zip(*areas, strict=True)
+    return Body(S, c, b, slope, Drag(_row(area), _row(x), _row(z), jnp.stack(share)))
 
 
 def reference(aircraft: Aircraft):
-    """Reference area and chord."""
+    """Reference area, chord and span."""
     if aircraft.wing is None and aircraft.reference.S_m2 is None:
         diameter = aircraft.rotor[0].diameter_m if aircraft.rotor else 1.0
-        return np.pi / 4 * diameter**2, diameter
-    return reference_S(aircraft), reference_c(aircraft)
+        return np.pi / 4 * diameter**2, diameter, diameter
+    c = reference_c(aircraft)
+    b = c if aircraft.wing is None and aircraft.reference.b_m is None else reference_b(aircraft)
+    return reference_S(aircraft), c, b
 
 
 def _fin(fin, unit):
-    """Drag area of the unloaded fin and the height where it acts."""
+    """Drag area of the unloaded fin and where it acts: half way up, at a quarter of the chord."""
     area = fin.S_m2 * fin.scale**2
     height = jnp.sqrt(fin.aspect_ratio * area)
     p = fin.polar
     cd = section_profile_drag(
         0.0, unit * area / height, cd_min=p.cd_min, cl_at_cd_min=p.cl_at_cd_min, k=p.k, re_ref=p.re
     )
-    return cd * area, fin.z_root_m + 0.5 * height
+    root = 2 * area / (height * (1 + fin.taper))
+    quarter = fin.x_le_root_m + root / 4 + height / 2 * jnp.tan(fin.sweep_quarter_deg * RAD)
+    return cd * area, quarter, fin.z_root_m + height / 2
 
 
 def _area(aircraft: Aircraft, item, free):
-    """A drag area at the fuselage axis, or shared among the rotors of its group, at their hubs."""
+    """A drag area at the wing's mean quarter chord and the fuselage axis, or at the hubs of its rotors."""
     if item.rotor is None:
-        return item.value_m2, 0.0, free
+        return item.value_m2, _quarter(aircraft)[0], 0.0, free
     start = 0
     for group in aircraft.rotor:
         if group.name == item.rotor:
             share = free.at[start : start + group.count_per_side].set(1.0 / group.count_per_side)
-            return item.value_m2, _hub(aircraft, group, group.y_m)[2], share
+            x, _, z = _hub(aircraft, group, group.y_m)
+            return item.value_m2, x, z, share
         start += group.count_per_side
     raise KeyError(item.rotor)
 

@@ -38,7 +38,7 @@ def box_weights(aircraft) -> np.ndarray:
     """
     joint = aircraft.wing.fuselage_joint_y_m
     breaks = [joint, *(s.y_m for s in aircraft.wing.section if s.y_m > joint)]
-    return span_weights(breaks, aircraft.lattice.box_stations - 1, "uniform")[0]
+    return span_weights(breaks, aircraft.lattice.box_stations - 1, 0.0)[0]
 
 
 def box_geometry(aircraft, weights) -> BoxGeometry:

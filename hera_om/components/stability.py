@@ -65,7 +65,7 @@ class Stability(JaxComponent):
     @staticmethod
     def evaluate(aircraft: Aircraft, statics: Any, constants: Any, inputs: Values) -> Values:
         """Margins and modes."""
-        S, c = arrays.reference(aircraft)
+        S, c, _ = arrays.reference(aircraft)
         slopes = LongitudinalDerivatives(**{n: inputs[n] for n in SLOPES}, CX_u=CX_U_OVER_CD * inputs["CD"])
         attitude = inputs["alpha"] * RAD
         flight = SteadyFlight(inputs["speed"], inputs["density"], attitude, attitude)

@@ -18,7 +18,6 @@ from hera_om.components.box_arrays import (
     carried_masses,
 )
 from hera_om.physics.beam_loads import Loads, case_loads, point_load, strip_load
-from hera_om.physics.geometry import span_weights
 from hera_om.physics.wingbox import size_box
 from hera_om.physics.wingbox_types import CRITERIA, PANELS, BoxGeometry, elastic_axis, stack_cases
 
@@ -148,8 +147,8 @@ def _complete(name: str, aircraft: Aircraft) -> None:
 
 def _load_inputs(aircraft) -> dict[str, tuple[Any, str, str]]:
     """Value, unit and meaning of the load inputs of one case: strips and rotors without load."""
-    s, lattice = arrays.wing_arrays(aircraft), aircraft.lattice
-    edges = span_weights(s.y, lattice.wing_spanwise, lattice.spacing)[0] @ np.asarray(s.y)
+    s = arrays.wing_arrays(aircraft)
+    edges = arrays.grids(aircraft)[0].weights @ np.asarray(s.y)
     y = 0.5 * (edges[1:] + edges[:-1])
     points = np.stack([np.interp(y, s.y, v) for v in (s.x_le + 0.25 * s.chord, s.y, s.z)], axis=1)
     none = np.zeros((len(y), 3))

@@ -35,6 +35,7 @@ INPUTS = _table(
     Quantity("delta_e", "deg", "elevator, trailing edge down positive", 0.0),
     Quantity("delta_a", "deg", "aileron, right trailing edge down positive", 0.0),
     Quantity("delta_r", "deg", "rudder, trailing edge to port positive", 0.0),
+    Quantity("delta_f", "deg", "flap, trailing edge down positive", 0.0),
     Quantity("y_kink", "m", "spanwise place of the wing's kink", 0.0),
     Quantity("theta_tip", "deg", "twist of the wing's tip", 0.0),
     Quantity("y_prop", "m", "spanwise place of the inner electric rotor", 0.0),
@@ -109,7 +110,7 @@ _RATES = {
     "alphadot": "the rate alphadot c / 2V",
     "mach": "the Mach number",
 }
-_ANGLE = re.compile(r"alpha|beta|delta_[aer]|theta_[A-Za-z][A-Za-z0-9_]*")
+_ANGLE = re.compile(r"alpha|beta|delta_[aerf]|theta_[A-Za-z][A-Za-z0-9_]*")
 _GROUP = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -153,5 +154,5 @@ def _family(name: str) -> Quantity | None:
 
 def _examples() -> list[str]:
     """Derivative names, for suggestions."""
-    by = ["alpha", "beta", "delta_e", "delta_a", "delta_r", *_RATES]
+    by = ["alpha", "beta", "delta_e", "delta_a", "delta_r", "delta_f", *_RATES]
     return [f"{c}_{b}" for c in _COEFFICIENTS for b in by]

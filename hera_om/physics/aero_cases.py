@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 from jaxtyping import Array, Float
 
-from hera_om.physics.geometry import Grid, Sections
+from hera_om.physics.controls import Control
+from hera_om.physics.geometry import CAMBER, Grid, Sections
 from hera_om.physics.section_polar import SectionPolar
 
 Number = Float[Array, ""] | float
@@ -26,6 +27,8 @@ class Surface(NamedTuple):
     sections: Sections
     grid: Grid
     polar: StripPolar
+    station: Float[Array, " k"]  # coordinate of the sections along the span, m
+    controls: tuple[Control, ...] = ()
 
 
 class Rotors(NamedTuple):
@@ -45,9 +48,10 @@ class Rotors(NamedTuple):
 
 
 class Drag(NamedTuple):
-    """Drag areas without lift: a of them, each at a height, some in the slipstream of a rotor."""
+    """Drag areas without lift: a of them, each at a place, some in the slipstream of a rotor."""
 
     area: Float[Array, " a"]  # m^2, all pieces together
+    x: Float[Array, " a"]  # m
     z: Float[Array, " a"]  # m
     rotor_share: Float[Array, "a m"]  # shares of the area that stand behind each rotor; zero rows: in free stream
 
@@ -57,6 +61,7 @@ class Body(NamedTuple):
 
     S: Number  # reference area, m^2
     c: Number  # reference chord, m
+    b: Number  # reference span, m
     munk_slope: Number  # Cm by alpha of the fuselage, 1/rad
     drag: Drag
 
@@ -70,6 +75,18 @@ class Flow(NamedTuple):
     viscosity: Number  # Pa s
     mach: Number  # of the Prandtl-Glauert rule
     point: Float[Array, " 3"]  # m
+
+
+class Model(NamedTuple):
+    """Static facts of the lattice: how surfaces are cut, meet the plane of symmetry, and answer to commands."""
+
+    kinds: tuple[str, ...]  # of each surface, see `layout.layout`
+    commands: int = 0  # how many the controls answer to
+    shape: str = (
+        CAMBER  # of the panels, see `geometry.surface_mesh`; FLAT follows AVL: bound filaments alone carry force
+    )
+    components: tuple[int, ...] | None = None  # of each surface, see `lattice.assemble`
+    lateral: bool = False  # whether the two halves may differ
 
 
 class RotorPlan(NamedTuple):

@@ -1,4 +1,4 @@
-"""Aerodynamics of a whole aircraft in symmetric flow: coefficients, drag build-up, derivatives, loads."""
+"""Aerodynamics of a whole aircraft: coefficients, drag build-up, derivatives, loads."""
 
 from typing import NamedTuple
 
@@ -7,35 +7,49 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Body, Flow, RotorPlan, StripPolar, Surface
-from hera_om.physics.coupling import SLIPSTREAM, Controls, Response, Setting, onset, panel_layout, respond
+from hera_om.physics.aero_cases import Body, Flow, Model, RotorPlan, StripPolar, Surface
+from hera_om.physics.coupling import (
+    SLIPSTREAM,
+    Controls,
+    Response,
+    Setting,
+    both_parts,
+    induced,
+    make_surfaces,
+    onset,
+    panel_layout,
+    respond,
+    sides,
+    wind,
+)
 from hera_om.physics.disks import Wake, mean_slipstreams
-from hera_om.physics.lattice import Lattice, solve
+from hera_om.physics.lattice import Lattice
 from hera_om.physics.lattice_forces import (
     StripLoads,
-    filament_force_change,
+    both_halves,
     filament_forces,
     filament_strengths,
-    half_resultant,
+    resultant,
     strip_loads,
     trefftz,
 )
 from hera_om.physics.layout import Layout
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import RotorSolution
-
-DOWNWASH_LAG = 1.0
-"""Share of the wing's downwash lag in the alpha-dot terms; 0 leaves quasi-steady flow without any."""
+from hera_om.physics.unsteady_lattice import plunge_rate, unsteady_resultant
 
 
 class Coefficients(NamedTuple):
-    """Force and moment coefficients; CX CZ Cm hold everything, CL CD leave the rotors' hub loads out."""
+    """Force and moment coefficients; CL CD leave the rotors' hub loads out, the others hold everything."""
 
     CL: Array
     CD: Array
     CX: Array
     CZ: Array
     Cm: Array
+    CY: Array
+    Cl: Array
+    Cn: Array
 
 
 class DragParts(NamedTuple):
@@ -56,10 +70,10 @@ class Loads(NamedTuple):
 
 
 class AeroResult(NamedTuple):
-    """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta_e and blade pitch, per radian."""
+    """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta, theta and lateral of `Controls`, per radian."""
 
     total: Coefficients
-    derivatives: Coefficients  # each [3 + g]
+    derivatives: Coefficients  # each [2 + k + g + l]
     thrust_by: Float[Array, "m s"]  # of each starboard rotor, N
     alphadot: Coefficients  # by alphadot c / 2V
     drag: DragParts
@@ -79,7 +93,7 @@ def evaluate(
     at: Setting,
     plan: RotorPlan | None,
     body: Body,
-    tail: int | None,
+    model: Model,
     phi=None,
 ) -> AeroResult:
     """Everything at one state, with the derivatives by the state at equilibrium of lattice and rotors.
@@ -87,33 +101,26 @@ def evaluate(
     The response of lattice and rotors is differentiated by the state and by the unknowns of the coupling, the
     implicit function theorem joins both, and the forces are differentiated along the directions that result.
 
-    The alpha-dot derivatives are INTERIM: quasi-steady flow in which the wing's circulation, as the tail sees
-    it, is late by the time of flight from the wing (the lag of downwash, Etkin & Reid, Dynamics of Flight 3e,
-    section 5.5), computed with the lattice's own downwash. Apparent mass and the wing's own unsteady wake are
-    left out.
-
     Args:
         flat: equilibrium from `coupling.find_root` or `coupling.carry_derivatives`.
         x: state.
         surfaces: the surfaces of the system; the first one is the wing.
-        at: system, rotors, stream and reference chord.
+        at: system, rotors, stream, reference chord and span.
         plan: static facts of the rotors, or None.
         body: reference quantities and what the lattice does not carry.
-        tail: index of the surface in the wing's downwash, or None.
+        model: static facts of the lattice.
         phi: inflow angles of the blade elements at equilibrium.
 
     Returns:
         AeroResult.
     """
-    n, size, lay = flat.shape[0], x.theta.shape[0], panel_layout(surfaces)
+    n, lay = flat.shape[0], panel_layout(surfaces, model)
     polar = _strip_polars(surfaces, lay)
-    state = jnp.concatenate([flat, jnp.stack([x.alpha, x.q_hat, x.delta_e]), x.theta])
-
-    def at_state(v):
-        return Controls(v[0], v[1], v[2], v[3 : 3 + size])
+    first, unpack = _as_vector(x)
+    state = jnp.concatenate([flat, first])
 
     def answer_to(v):
-        answer = respond(v[:n], at_state(v[n:]), at, plan, phi)
+        answer = respond(v[:n], unpack(v[n:]), at, plan, phi)
         return answer, answer
 
     by, answer = jax.jacfwd(answer_to, has_aux=True)(state)
@@ -126,65 +133,121 @@ def evaluate(
 
     def forces(step):
         moved = jax.tree.map(lambda value, slope: value + slope @ step, answer, by)
-        total, rest = _coefficients(at_state(state[n:] + step), moved, polar, at=at, plan=plan, body=body, lay=lay)
+        total, rest = _coefficients(unpack(first + step), moved, polar, at=at, plan=plan, body=body, lay=lay)
         return total, (total, rest)
 
-    derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros(3 + size))
+    derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
     drag, cl, margin, wing, local = rest
-    alphadot = _alphadot(local, x, answer, by.gamma[:, 0], at=at, body=body, tail=tail, lay=lay)
+    panels = make_surfaces(surfaces, model)
+    alphadot = _alphadot(local, x, answer, by.gamma[..., 0], panels, at=at, body=body, lay=lay)
     return AeroResult(
         total=total,
         derivatives=derivatives,
-        thrust_by=jnp.zeros((0, 3 + size)) if by.loads is None else by.loads.thrust,
+        thrust_by=jnp.zeros((0, first.shape[0])) if by.loads is None else by.loads.thrust[0],
         alphadot=alphadot,
         drag=drag,
         lift_margin=margin,
         cl_strips=cl,
-        loads=Loads(wing, answer.loads),
-        wake=answer.wake,
+        loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads)),
+        wake=None if answer.wake is None else jax.tree.map(lambda v: v[0], answer.wake),
         residual=jnp.max(jnp.abs(answer.flat - flat), initial=0.0),
         inverse=inverse,
     )
 
 
+def _as_vector(x: Controls):
+    """A state as one vector, and the way back."""
+    ends = np.cumsum([2, x.delta.shape[0], x.theta.shape[0]])
+
+    def unpack(v):
+        return Controls(v[0], v[1], *jnp.split(v[2:], ends[1:] - 2))
+
+    return jnp.concatenate([jnp.stack([x.alpha, x.q_hat]), x.delta, x.theta, x.lateral]), unpack
+
+
 def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setting, plan, body: Body, lay: Layout):
     """Coefficients and everything that hangs on the same forces."""
-    flow, system = at.flow, at.system
-    stream, up = _wind_axes(x.alpha)
+    flow, stream = at.flow, wind(x)
+    up = jnp.stack([-jnp.sin(x.alpha), jnp.zeros_like(x.alpha), jnp.cos(x.alpha)])
     force = moment = profile_force = local = jnp.zeros(3)
     cl, margin, wing = jnp.zeros(0), jnp.asarray(jnp.inf), None
-    induced = slip = trace = jnp.zeros(())
-    if system.lattice is not None:
-        lattice = system.lattice
-        wash = jnp.zeros_like(lattice.points)
-        if plan is not None and at.rotors is not None and answer.wake is not None:
-            wash = SLIPSTREAM * mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms)
-        local = onset(lattice.points, x, c=at.c, point=flow.point) + wash
-        loads = strip_loads(lattice, lay, filament_forces(lattice, lay, answer.gamma, local))
-        drag, cl, margin = _profile(lattice, lay, loads, local, polar, flow)
-        wing = loads._replace(force=loads.force + drag)
-        force, moment = half_resultant(wing, flow.point)
-        profile_force, _ = half_resultant(loads._replace(force=drag), flow.point)
-        by_wash = jnp.cross(wash, lattice.arms) @ stream
-        slip = 4.0 * filament_strengths(lay, answer.gamma) @ by_wash / body.S
-        induced = (force - profile_force) @ stream / body.S - slip
-        trace = trefftz(lattice, lay, answer.gamma)[1] / body.S
+    induced_drag = slip = trace = jnp.zeros(())
+    if at.system.lattice is not None:
+        halves, local = _half_loads(x, answer, polar, at=at, plan=plan, lay=lay)
+        wing, cl = halves[0].loads, halves[0].cl
+        margin = jnp.min(jnp.stack([h.margin for h in halves]))
+        force, moment = resultant([h.loads for h in halves], lay, flow.point)
+        profile_force = both_halves([jnp.sum(h.profile, axis=0) for h in halves])
+        slip = (halves[0].slip + halves[-1].slip) / body.S
+        induced_drag = (force - profile_force) @ stream / body.S - slip
+        trace = _trace_drag(at.system.lattice, lay, answer.gamma) / body.S
     area_force, area_moment = _areas(body, answer, stream, flow)
     force, moment = force + area_force, moment + area_moment
-    everything, cm = force / body.S, moment[1] / (body.S * body.c) + body.munk_slope * x.alpha
+    everything, turning = force / body.S, moment / body.S + body.c * body.munk_slope * _pitching(x)
     if plan is not None and answer.loads is not None:
         hub_force, hub_moment = _hub_loads(at.rotors, plan, answer.loads, flow)
         q_S = 0.5 * flow.density * flow.speed**2 * body.S
-        everything, cm = everything + hub_force / q_S, cm + hub_moment[1] / (q_S * body.c)
-    total = Coefficients(force @ up / body.S, force @ stream / body.S, everything[0], everything[2], cm)
-    parts = DragParts(trace, induced, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
+        everything, turning = everything + hub_force / q_S, turning + hub_moment / q_S
+    total = Coefficients(
+        CL=force @ up / body.S,
+        CD=force @ stream / body.S,
+        CX=everything[0],
+        CZ=everything[2],
+        Cm=turning[1] / body.c,
+        CY=everything[1],
+        Cl=-turning[0] / body.b,
+        Cn=-turning[2] / body.b,
+    )
+    parts = DragParts(trace, induced_drag, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
     return total, (parts, cl, margin, wing, local)
 
 
-def _wind_axes(alpha):
-    """Unit vectors along drag and lift."""
-    zero = jnp.zeros_like(alpha)
-    return jnp.stack([jnp.cos(alpha), zero, jnp.sin(alpha)]), jnp.stack([-jnp.sin(alpha), zero, jnp.cos(alpha)])
+def _pitching(x: Controls):
+    """Munk's moment turns about the axis across the body and the stream; yawing changes the sign."""
+    beta = x.lateral[0] if x.lateral.shape[0] else jnp.zeros(())
+    return jnp.stack([jnp.zeros(()), x.alpha, beta])
+
+
+class HalfLoads(NamedTuple):
+    """What one half carries, over dynamic pressure."""
+
+    loads: StripLoads  # profile drag included
+    profile: Float[Array, "s 3"]  # force of the profile drag that belongs to the half, m^2
+    slip: Array  # drag of the slipstream's velocities on the circulation, m^2
+    cl: Float[Array, " s"]
+    margin: Array
+
+
+def _half_loads(x: Controls, answer: Response, polar: StripPolar, *, at: Setting, plan, lay: Layout):
+    """Loads of each half, and the velocity at the filaments of the starboard one."""
+    lattice, flow, halves = at.system.lattice, at.flow, sides(x)
+    assert lattice is not None
+    wash = jnp.zeros((len(halves), *lattice.points.shape))
+    if plan is not None and at.rotors is not None and answer.wake is not None:
+        lateral = len(halves) == 2
+        at_middles = mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms, lateral=lateral)
+        wash = SLIPSTREAM * at_middles
+    own = induced(lattice.even.velocity, None if lattice.odd is None else lattice.odd.velocity, answer.gamma)
+    odd = both_parts(list(answer.gamma))[1]
+    out, first = [], None
+    for i, side in enumerate(halves):
+        local = onset(lattice.points, x, at, side) + wash[i]
+        strength = filament_strengths(lay, answer.gamma[i], None if odd is None else side * odd)
+        loads = strip_loads(lattice, lay, filament_forces(lattice, strength, local + own[i]))
+        drag, cl, margin = _profile(lattice, lay, loads, local, polar, flow)
+        weight = lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer]
+        slip = 2.0 * (weight * strength) @ (jnp.cross(wash[i], lattice.arms) @ wind(x, side))
+        here = lay.weight * (lay.image if side < 0 else 1.0)
+        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, cl, margin))
+        first = local if first is None else first
+    return out, first
+
+
+def _trace_drag(lattice: Lattice, lay: Layout, gamma: Float[Array, "h n"]):
+    """Induced drag from the Trefftz plane, mirrored and reversed flow together, m^2."""
+    even, odd = both_parts(list(gamma))
+    drag = trefftz(lattice, lay, even)[1]
+    return drag if odd is None else drag + trefftz(lattice, lay, odd, odd=True)[1]
 
 
 def _strip_polars(surfaces: list[Surface], lay: Layout) -> StripPolar:
@@ -219,35 +282,38 @@ def _areas(body: Body, answer: Response, stream, flow: Flow):
     d = body.drag
     pressure = jnp.ones_like(d.area)
     if answer.wake is not None:
-        behind = (1.0 + 2.0 * SLIPSTREAM * jnp.mean(answer.wake.axial, axis=1)) ** 2 - 1.0
-        pressure = pressure + d.rotor_share @ behind
-    force = jnp.sum(d.area * pressure) * stream
-    arm = jnp.sum(d.area * pressure * (d.z - flow.point[2]))
-    return force, jnp.stack([jnp.zeros_like(arm), arm * stream[0], jnp.zeros_like(arm)])
+        mean = jnp.mean(answer.wake.axial, axis=(0, 2))
+        pressure = pressure + d.rotor_share @ ((1.0 + 2.0 * SLIPSTREAM * mean) ** 2 - 1.0)
+    drag = d.area * pressure
+    arms = jnp.stack([d.x - flow.point[0], jnp.zeros_like(d.x) - flow.point[1], d.z - flow.point[2]], axis=-1)
+    return jnp.sum(drag) * stream, jnp.cross(drag @ arms, stream)
 
 
 def _hub_loads(rotors, plan, loads: RotorSolution, flow: Flow):
     """Hub force (N) and moment about the point (N m) of all rotors, mirrored ones included."""
-    force = loads.force
-    about = loads.moment + jnp.cross(rotors.hub - flow.point, force)
+    mirror = jnp.asarray([1.0, 0.0, 1.0]) if plan.sides == 2 else jnp.ones(3)
+    centre = flow.point * mirror
+    force = [jnp.sum(f, axis=0) for f in loads.force]
+    about = [
+        jnp.sum(m + jnp.cross(rotors.hub - centre, f), axis=0) for f, m in zip(loads.force, loads.moment, strict=True)
+    ]
     if plan.sides == 1:
-        return jnp.sum(force, axis=0), jnp.sum(about, axis=0)
-    keep = jnp.asarray([2.0, 0.0, 2.0])
-    return keep * jnp.sum(force, axis=0), (2.0 - keep) * jnp.sum(about, axis=0)
+        return force[0], about[0]
+    total = both_halves(force)
+    return total, both_halves(about, axial=True) - jnp.cross(flow.point - centre, total)
 
 
-def _alphadot(local, x: Controls, answer: Response, gamma_alpha, *, at: Setting, body: Body, tail, lay: Layout):
-    """Derivatives by alphadot c / 2V: the tail meets the downwash of a wing at alpha - alphadot dx / V."""
-    if tail is None or at.system.lattice is None:
-        return Coefficients(*[jnp.zeros(())] * 5)
-    lattice, flow, wing = at.system.lattice, at.flow, lay.counts[0]
-    first, last = sum(lay.counts[:tail]), sum(lay.counts[: tail + 1])
-    distance = lattice.collocation[first:last, 0] - jnp.mean(lattice.strip_point[: lay.strips[0], 0])
-    downwash = lattice.matrix[first:last, :wing] @ gamma_alpha[:wing]
-    late = DOWNWASH_LAG * 2.0 * distance / body.c * downwash
-    response = solve(lattice, jnp.zeros_like(answer.gamma).at[first:last].set(late))
-    change = filament_force_change(lattice, lay, answer.gamma, local, response)
-    force, moment = half_resultant(strip_loads(lattice, lay, change), flow.point)
-    stream, up = _wind_axes(x.alpha)
+def _alphadot(local, x: Controls, answer: Response, gamma_alpha, panels, *, at: Setting, body: Body, lay: Layout):
+    """Derivatives by alphadot c / 2V in pure plunging, see `unsteady_lattice.plunge_rate`."""
+    lattice, zero = at.system.lattice, jnp.zeros(())
+    if lattice is None:
+        return Coefficients(*[zero] * 8)
+    gamma, slope = (both_parts(list(v))[0] for v in (answer.gamma, gamma_alpha))
+    velocity = local + lattice.even.velocity @ gamma
+    how = {"gamma": gamma, "gamma_alpha": slope, "velocity": velocity, "mach": at.flow.mach, "c": body.c}
+    force, moment = unsteady_resultant(lattice, plunge_rate(lattice, panels, lay, **how), at.flow.point)
     force = force / body.S
-    return Coefficients(force @ up, force @ stream, force[0], force[2], moment[1] / (body.S * body.c))
+    stream = jnp.stack([jnp.cos(x.alpha), zero, jnp.sin(x.alpha)])
+    up = jnp.stack([-stream[2], zero, stream[0]])
+    cm = moment[1] / (body.S * body.c)
+    return Coefficients(force @ up, force @ stream, force[0], force[2], cm, zero, zero, zero)

@@ -2,6 +2,10 @@
 
 The lattice is linear in the velocities of the slipstreams, so the coupled system reduces to the rotors'
 unknowns: the mean induced velocities of every annulus (two numbers by rotor and radius).
+
+In lateral flow everything has a leading axis of two halves: the starboard one, and the port one as the plane of
+symmetry mirrors it. There sideslip, roll and yaw rate change their signs and each command takes the sign of its
+port half, so that the geometry of the starboard half serves both.
 """
 
 from typing import NamedTuple
@@ -10,10 +14,11 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors, Surface
+from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Surface
+from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import Wake, disk_points, mean_slipstreams, rotor_loads
-from hera_om.physics.geometry import CAMBER, make_panels
-from hera_om.physics.lattice import Lattice, assemble, solve
+from hera_om.physics.geometry import FLAT, Panels
+from hera_om.physics.lattice import Lattice, assemble, solve, solve_halves
 from hera_om.physics.layout import Layout, layout
 from hera_om.physics.rotor import RotorSolution
 
@@ -29,35 +34,49 @@ class System(NamedTuple):
     """Everything that does not depend on incidence, rates, controls or blade pitch."""
 
     lattice: Lattice | None
-    disk_velocity: Array | None  # [m nr npsi 3 n] velocity at the blade elements per unit circulation
+    # velocity at the blade elements per unit circulation, m nr npsi 3 n: in mirrored flow, in reversed flow
+    disk_velocity: tuple[Array | None, Array | None]
     wing_edges: Array | None  # [ns + 1] y of the edges of the first surface's strips, m
 
 
 def split_factors(system: System) -> tuple[System, tuple]:
-    """A system without its factorisation, which carries no derivatives, and the factorisation."""
-    if system.lattice is None:
+    """A system without its factorisations, which carry no derivatives, and the factorisations."""
+    lattice = system.lattice
+    if lattice is None:
         return system, ()
-    return system._replace(lattice=system.lattice._replace(lu=())), system.lattice.lu
+    factors = tuple(None if part is None else part.lu for part in (lattice.even, lattice.odd, lattice.whole))
+    return join_factors(system, tuple(None if f is None else () for f in factors)), factors
 
 
 def join_factors(system: System, factors: tuple) -> System:
     """The inverse of `split_factors`."""
-    return system if system.lattice is None else system._replace(lattice=system.lattice._replace(lu=factors))
+    lattice = system.lattice
+    if lattice is None:
+        return system
+    even, odd, whole = factors
+    return system._replace(
+        lattice=lattice._replace(
+            even=lattice.even._replace(lu=even),
+            odd=None if lattice.odd is None else lattice.odd._replace(lu=odd),
+            whole=None if lattice.whole is None else lattice.whole._replace(lu=whole),
+        )
+    )
 
 
 class Controls(NamedTuple):
     """The state that derivatives are taken by."""
 
-    alpha: Array | float  # rad
-    q_hat: Array | float  # q c / 2V
-    delta_e: Array | float  # rad
+    alpha: Array  # rad
+    q_hat: Array  # q c / 2V
+    delta: Float[Array, " k"]  # commands, rad
     theta: Float[Array, " g"]  # blade pitch of the rotor groups at 75 % radius, rad
+    lateral: Float[Array, " l"]  # beta (rad), p_hat = p b / 2V, r_hat = r b / 2V; empty in mirrored flow
 
 
 class Root(NamedTuple):
     """Equilibrium found without derivatives, and what carries derivatives through it."""
 
-    flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by rotor and radius
+    flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by half, rotor and radius
     phi: Array | None  # inflow angles of the blade elements there, rad
 
 
@@ -65,7 +84,7 @@ class Response(NamedTuple):
     """Lattice and rotors for given induced velocities."""
 
     flat: Float[Array, " u"]  # induced velocities that the rotors answer with
-    gamma: Float[Array, " n"]
+    gamma: Float[Array, "h n"]  # circulations of each half
     loads: RotorSolution | None
     wake: Wake | None
 
@@ -77,68 +96,129 @@ class Setting(NamedTuple):
     rotors: Rotors | None
     flow: Flow
     c: Array | float  # reference chord, m
+    b: Array | float  # reference span, m
 
 
-def make_system(
-    surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, shape: str = CAMBER
-) -> System:
+def make_system(surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, model: Model) -> System:
     """Panels, factorised lattice, and its influence on the disks."""
-    panels = [make_panels(s.sections, s.grid, shape) for s in surfaces]
+    panels = make_surfaces(surfaces, model)
     if not panels:
-        return System(None, None, None)
+        return System(None, (None, None), None)
     edges = panels[0].strip_edges[:, 1]
+    how = {"kinds": model.kinds, "lateral": model.lateral, "components": model.components}
     if rotors is None or plan is None:
-        return System(assemble(panels, mach)[0], None, edges)
+        return System(assemble(panels, mach, **how)[0], (None, None), edges)
     points = disk_points(rotors, plan)
-    lattice, upwash = assemble(panels, mach, points.reshape(-1, 3))
-    return System(lattice, upwash.reshape(*points.shape[:3], 3, -1), edges)
+    lattice, upwash = assemble(panels, mach, points.reshape(-1, 3), **how)
+    at_disks = [None if u is None else u.reshape(*points.shape[:3], 3, -1) for u in upwash]
+    return System(lattice, (at_disks[0], at_disks[1]), edges)
 
 
-def panel_layout(surfaces: list[Surface]) -> Layout:
+def make_surfaces(surfaces: list[Surface], model: Model) -> list[Panels]:
+    """Panels of all surfaces."""
+    return [
+        controlled_panels(
+            s.sections, s.grid, model.shape, station=s.station, controls=s.controls, commands=model.commands
+        )
+        for s in surfaces
+    ]
+
+
+def panel_layout(surfaces: list[Surface], model: Model) -> Layout:
     """Index arrays of the surfaces' panels."""
-    return layout([(s.grid.xi.shape[0] - 1, s.grid.middle.shape[0]) for s in surfaces])
+    cuts = [(s.grid.xi.shape[0] - 1, s.grid.middle.shape[0]) for s in surfaces]
+    return layout(cuts, model.kinds, chordwise_loads=model.shape != FLAT)
 
 
-def onset(points, x: Controls, *, c, point) -> Float[Array, "... 3"]:
-    """Free stream and pitch rate over the flight speed: -(omega x r) relative to the aircraft."""
-    stream = jnp.stack([jnp.cos(x.alpha), jnp.zeros_like(x.alpha), jnp.sin(x.alpha)])
-    rate = 2.0 * x.q_hat / c
-    arm = points - point
-    return stream + rate * jnp.stack([-arm[..., 2], jnp.zeros_like(arm[..., 0]), arm[..., 0]], axis=-1)
+def sides(x: Controls) -> tuple[float, ...]:
+    """+1 for the starboard half, -1 for the port half as the plane mirrors it; the first alone in mirrored flow."""
+    return (1.0, -1.0) if x.lateral.shape[0] else (1.0,)
 
 
-def normals(lattice: Lattice, delta_e) -> Float[Array, "n 3"]:
-    """Normals with the elevator deflected."""
-    return lattice.normal + jnp.sin(delta_e) * lattice.normal_hinge
+def wind(x: Controls, side: float = 1.0) -> Float[Array, " 3"]:
+    """Direction of the free stream in geometry axes as a half sees it."""
+    beta = side * x.lateral[0] if x.lateral.shape[0] else jnp.zeros(())
+    return jnp.stack([jnp.cos(x.alpha) * jnp.cos(beta), -jnp.sin(beta), jnp.sin(x.alpha) * jnp.cos(beta)])
 
 
-def circulation(at: Setting, x: Controls, extra) -> Float[Array, " n"]:
-    """Ring circulations with the velocity ``extra`` [n, 3] at the collocation points, if any."""
-    lattice = at.system.lattice
+def onset(points: Float[Array, "*p 3"], x: Controls, at: Setting, side: float = 1.0) -> Float[Array, "*p 3"]:
+    """Free stream and rotation over the flight speed, as a half sees them: V - omega x r.
+
+    Body rates are about x forward, y starboard, z down, so omega is (-p, q, -r) in geometry axes.
+    """
+    arm = points - at.flow.point * jnp.asarray([1.0, side, 1.0])
+    q = 2.0 * x.q_hat / at.c
+    air = wind(x, side) + q * jnp.stack([-arm[..., 2], jnp.zeros_like(arm[..., 0]), arm[..., 0]], axis=-1)
+    if not x.lateral.shape[0]:
+        return air
+    p, r = side * 2.0 * x.lateral[1] / at.b, side * 2.0 * x.lateral[2] / at.b
+    return air - jnp.stack([r * arm[..., 1], p * arm[..., 2] - r * arm[..., 0], -p * arm[..., 1]], axis=-1)
+
+
+def normals(lattice: Lattice, delta: Float[Array, " k"], side: float = 1.0) -> Float[Array, "n 3"]:
+    """Normals of a half with the controls deflected."""
+    return lattice.normal + jnp.tensordot(jnp.sin(delta), lattice.normal_hinge[0 if side > 0 else 1], axes=1)
+
+
+def both_parts(values: list[Array]) -> tuple[Array, Array | None]:
+    """Mirrored and reversed part of what two halves have; one half has no reversed part."""
+    if len(values) == 1:
+        return values[0], None
+    return (values[0] + values[1]) / 2, (values[0] - values[1]) / 2
+
+
+def circulation(at: Setting, x: Controls, extra: Float[Array, "h n 3"] | None = None) -> Float[Array, "h n"]:
+    """Ring circulations with the velocity ``extra`` at the collocation points, if any."""
+    lattice, halves = at.system.lattice, sides(x)
     if lattice is None:
-        return jnp.zeros(0)
-    wash = onset(lattice.collocation, x, c=at.c, point=at.flow.point) + extra
-    return solve(lattice, -jnp.sum(wash * normals(lattice, x.delta_e), axis=-1))
+        return jnp.zeros((len(halves), 0))
+    needed = []
+    for i, side in enumerate(halves):
+        wash = onset(lattice.collocation, x, at, side)
+        wash = wash if extra is None else wash + extra[i]
+        needed.append(-jnp.sum(wash * normals(lattice, x.delta, side), axis=-1))
+    if len(needed) == 1:
+        return solve(lattice.even, needed[0])[None]
+    return solve_halves(lattice, *needed)
+
+
+def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float[Array, "h *p 3"]:
+    """Velocities that circulations induce, by their influence in mirrored and in reversed flow."""
+    mirrored, reversed_ = both_parts(list(gamma))
+    if reversed_ is None:
+        return (even @ mirrored)[None]
+    assert odd is not None
+    one, other = even @ mirrored, odd @ reversed_
+    return jnp.stack([one + other, one - other])
 
 
 def unknowns(plan: RotorPlan | None, system: System) -> int:
     """Number of unknowns of the coupling: none without rotors or without surfaces."""
-    return 0 if plan is None or system.lattice is None else 2 * len(plan.groups) * plan.radial
+    if plan is None or system.lattice is None:
+        return 0
+    return 2 * _rotor_halves(plan, system.lattice.odd is not None) * len(plan.groups) * plan.radial
+
+
+def _rotor_halves(plan: RotorPlan, lateral: bool) -> int:
+    """Halves whose rotors are solved; rotors in the plane of symmetry have no image."""
+    return 2 if lateral and plan.sides == 2 else 1
 
 
 def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, phi=None) -> Response:
     """One pass: slipstreams of the given strength, the lattice in them, the rotors in its upwash."""
     if plan is None or at.rotors is None:
-        return Response(flat, circulation(at, x, jnp.zeros(3)), None, None)
+        return Response(flat, circulation(at, x), None, None)
     if at.system.lattice is None:
         loads = _disk_loads(at.rotors, at, x, None, plan=plan, phi=phi)
-        return Response(flat, jnp.zeros(0), loads, Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed))
-    wake = Wake(*flat.reshape(2, len(plan.groups), plan.radial))
-    extra = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across)
+        wake = Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed)
+        return Response(flat, circulation(at, x), loads, wake)
+    lateral = len(sides(x)) == 2
+    wake = Wake(*flat.reshape(2, _rotor_halves(plan, lateral), len(plan.groups), plan.radial))
+    extra = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across, lateral=lateral)
     gamma = circulation(at, x, extra)
     loads = _disk_loads(at.rotors, at, x, gamma, plan=plan, phi=phi)
-    induced = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
-    return Response(induced, gamma, loads, wake)
+    answer = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
+    return Response(answer, gamma, loads, wake)
 
 
 def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
@@ -163,7 +243,7 @@ def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
         return out, *_answer(out, x, at, plan), i + 1
 
     start = jnp.zeros(n)
-    blank = jnp.zeros((len(plan.groups), plan.radial, plan.azimuthal))
+    blank = jnp.zeros((_rotor_halves(plan, len(sides(x)) == 2), len(plan.groups), plan.radial, plan.azimuthal))
     _, flat, phi, _ = lax.while_loop(unfinished, step, (start - 1.0, start, blank, 0))
     return Root(flat, phi)
 
@@ -184,9 +264,11 @@ def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: Rotor
 
 
 def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, *, plan: RotorPlan, phi) -> RotorSolution:
-    """Rotors in the free stream, the pitch rate and the upwash of the surfaces."""
+    """Rotors in the free stream, the rotation and the upwash of the surfaces."""
     points = disk_points(rotors, plan)
-    stream = onset(points, x, c=at.c, point=at.flow.point)
-    if at.system.disk_velocity is not None:
-        stream = stream + UPWASH * at.system.disk_velocity @ gamma
+    halves = sides(x)[: _rotor_halves(plan, len(sides(x)) == 2)]
+    stream = jnp.stack([onset(points, x, at, side) for side in halves])
+    even, odd = at.system.disk_velocity
+    if even is not None:
+        stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
     return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)

@@ -21,10 +21,13 @@ GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
 
 class Wake(NamedTuple):
-    """What a slipstream is made of: mean induced velocities at the disk over the flight speed."""
+    """What a slipstream is made of: mean induced velocities at the disk over the flight speed.
 
-    axial: Float[Array, "m nr"]
-    swirl: Float[Array, "m nr"]
+    Of the m rotors of the starboard half and, in lateral flow, of the port half as the plane mirrors it.
+    """
+
+    axial: Float[Array, "h m nr"]
+    swirl: Float[Array, "h m nr"]
 
 
 def shaft_axes(incidence: Float[Array, " m"]) -> Float[Array, "m 3 3"]:
@@ -52,7 +55,7 @@ def disk_points(rotors: Rotors, plan: RotorPlan) -> Float[Array, "m nr npsi 3"]:
 def rotor_loads(
     rotors: Rotors,
     plan: RotorPlan,
-    velocity: Float[Array, "m nr npsi 3"],
+    velocity: Float[Array, "h m nr npsi 3"],
     *,
     pitch: Float[Array, " g"],
     flow: Flow,
@@ -60,10 +63,12 @@ def rotor_loads(
 ) -> RotorSolution:
     """Every rotor in the given stream (geometry axes, m/s); forces and moments in geometry axes too.
 
-    ``phi``, the inflow angles if they are known already, saves the search for them.
+    ``phi``, the inflow angles if they are known already, saves the search for them. The results have the leading
+    axes [h, m] of the streams.
     """
-    axes = shaft_axes(rotors.incidence)
-    local = jnp.einsum("mij,mrpj->mrpi", axes, velocity)
+    halves, m = velocity.shape[:2]
+    axes = jnp.tile(shaft_axes(rotors.incidence), (halves, 1, 1))
+    local = jnp.einsum("mij,mrpj->mrpi", axes, velocity.reshape(halves * m, *velocity.shape[2:]))
 
     def one(blade, stream, angle, rotor, known):
         return solve_rotor(
@@ -82,26 +87,43 @@ def rotor_loads(
             phi=known,
         )
 
-    out = jax.vmap(one)(blades(rotors, plan), local, pitch[jnp.asarray(plan.groups)], rotors, phi)
+    every = (blades(rotors, plan), pitch[jnp.asarray(plan.groups)], rotors)
+    blade, angle, rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), every)
+    known = None if phi is None else phi.reshape(halves * m, *phi.shape[2:])
+    out = jax.vmap(one)(blade, local, angle, rotor, known)
     force, moment = (jnp.einsum("mi,mij->mj", v, axes) for v in (out.force, out.moment))
-    return out._replace(force=force, moment=moment)
+    return jax.tree.map(lambda v: v.reshape(halves, m, *v.shape[1:]), out._replace(force=force, moment=moment))
 
 
 def mean_slipstreams(
-    rotors: Rotors, plan: RotorPlan, wake: Wake, middles: Float[Array, "p 3"], spans: Float[Array, "p 3"]
-) -> Float[Array, "p 3"]:
+    rotors: Rotors,
+    plan: RotorPlan,
+    wake: Wake,
+    middles: Float[Array, "p 3"],
+    spans: Float[Array, "p 3"],
+    *,
+    lateral: bool = False,
+) -> Float[Array, "h p 3"]:
     """`slipstreams` averaged along segments given by middles and vectors, by Gauss's rule with three points.
 
     A strip is as wide as a good part of a disk. Sampled at one point, what a slipstream does to it would
     jump as edges of disks pass that point: noise of two drag counts on 32 strips, which an optimiser exploits.
     """
     at = jnp.concatenate([middles + t * spans for t in GAUSS_POINTS])
-    each = slipstreams(rotors, plan, wake, at).reshape(len(GAUSS_POINTS), *middles.shape)
-    return jnp.tensordot(jnp.asarray(GAUSS_WEIGHTS), each, axes=1)
+    field = slipstreams(rotors, plan, wake, at, lateral=lateral)
+    each = field.reshape(field.shape[0], len(GAUSS_POINTS), *middles.shape)
+    return jnp.tensordot(each, jnp.asarray(GAUSS_WEIGHTS), axes=([1], [0]))
 
 
-def slipstreams(rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"]) -> Float[Array, "p 3"]:
-    """Velocity over the flight speed that all slipstreams, mirrored ones included, add at ``points``."""
+def slipstreams(
+    rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"], *, lateral: bool = False
+) -> Float[Array, "h p 3"]:
+    """Velocity over the flight speed that all slipstreams add at ``points`` of the starboard half, or of each half.
+
+    The port half is the starboard one as the plane mirrors it, so a half's own slipstreams are seen at the
+    points and those of the other half at the mirrored points.
+    """
+    halves, m = wake.axial.shape[:2]
     r = blades(rotors, plan).r
     axes = shaft_axes(rotors.incidence)[:, 0]
 
@@ -119,9 +141,12 @@ def slipstreams(rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array
             edge_width=EDGE_WIDTH * radius,
         )
 
-    mirror = jnp.asarray(MIRROR)
-    both = points if plan.sides == 1 else jnp.concatenate([points, points * mirror])
-    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))
-    field = jnp.sum(each(both, rotors.hub, axes, rotors.radius, r, wake.axial, wake.swirl, rotors.sense), axis=0)
-    n = points.shape[0]
-    return field if plan.sides == 1 else field[:n] + field[n:] * mirror
+    mirror, n = jnp.asarray(MIRROR), points.shape[0]
+    both = jnp.concatenate([points, points * mirror])
+    fixed = jax.tree.map(lambda v: jnp.concatenate([v] * halves), (rotors.hub, axes, rotors.radius, r, rotors.sense))
+    axial, swirl = (v.reshape(halves * m, -1) for v in wake)
+    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))(both, *fixed[:4], axial, swirl, fixed[4])
+    field = jnp.sum(each.reshape(halves, m, *each.shape[1:]), axis=1)
+    if plan.sides == 1:  # rotors in the plane of symmetry have no image
+        return jnp.concatenate([field[:, :n], field[:, n:] * mirror])[: 2 if lateral else 1]
+    return field[:, :n] + field[::-1, n:] * mirror

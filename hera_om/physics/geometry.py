@@ -6,9 +6,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from hera_om.core.spacing import chord_points, law_at, law_number
 from hera_om.physics.airfoil import camber_line
 
-QUARTER = 0.25  # the bound vortex lies at a quarter of its panel (Pistolesi), the condition at three quarters
+QUARTER = 0.25  # of the chord: where sections turn and strips have their points
 CAMBER, FLAT = "camber", "flat"
 Numbers = Array | np.ndarray
 
@@ -29,9 +30,10 @@ class Grid(NamedTuple):
     weights: Float[Numbers, "ns1 k"]  # linear interpolation from the sections to the spanwise edges
     middle: Float[Numbers, " ns"]  # where in its strip the condition stands, 0 inboard to 1 outboard
     xi: Float[Numbers, " nc1"]  # chord fractions of the chordwise edges
+    front: Float[Numbers, " nc"]  # where in its panel the vortex lies, 0 ahead to 1 behind
+    rear: Float[Numbers, " nc"]  # where in its panel the condition stands
     camber: Float[Numbers, "k nc1"]  # camber height over chord at xi
     slope: Float[Numbers, "k nc"]  # camber slope at the collocation points
-    hinge_share: Float[Numbers, "nc ns"]  # part of each panel behind the hinge line, times the control's gain
 
 
 class Panels(NamedTuple):
@@ -41,21 +43,14 @@ class Panels(NamedTuple):
     collocation: Float[Array, "nc ns 3"]
     across: Float[Array, "2 nc ns 3"]  # at each collocation point: middle of the strip, its width as a vector
     normal: Float[Array, "nc ns 3"]
-    normal_hinge: Float[Array, "nc ns 3"]  # derivative of the normal by the control angle, per rad
+    normal_hinge: Float[Array, "2 k nc ns 3"]  # derivative by each command, per rad; starboard, and port mirrored
     strip_edges: Float[Array, "ns1 3"]  # quarter-chord points of the strip edges
     middle: Float[Array, " ns"]  # see Grid
     strip_chord: Float[Array, " ns"]
     strip_width: Float[Array, " ns"]  # length of the strip in the y-z plane, m
 
 
-def spacing(name: str, n: int) -> np.ndarray:
-    """n + 1 points from 0 to 1: ``uniform``, ``cosine`` (dense at both ends) or ``sine`` (dense at 1)."""
-    u = np.linspace(0.0, 1.0, n + 1)
-    shapes = {"uniform": u, "cosine": (1 - np.cos(np.pi * u)) / 2, "sine": np.sin(np.pi * u / 2)}
-    return shapes[name]
-
-
-def span_weights(y, n: int, kind: str) -> tuple[np.ndarray, np.ndarray]:
+def span_weights(y, n: int, law: float) -> tuple[np.ndarray, np.ndarray]:
     """Interpolation weights ``[n + 1, k]`` of spanwise edges that contain the k sections, and the middles.
 
     The strips are shared among the segments by their part of the spacing law, at least one each. The
@@ -64,20 +59,26 @@ def span_weights(y, n: int, kind: str) -> tuple[np.ndarray, np.ndarray]:
     of strips (as in AVL).
     """
     y = np.asarray(y, float)
-    k = len(y)
     eta = (y - y[0]) / (y[-1] - y[0])
     fine = np.linspace(0.0, 1.0, 2001)
-    law = spacing(kind, 2000)
-    u = np.interp(eta, law, fine)
+    spread = np.array([law_at(law, u) for u in fine])
+    u = np.interp(eta, spread, fine)
     counts = _share(np.diff(u), n)
-    rows, middle = [], []
+    rows = []
     for i, count in enumerate(counts):
-        both = np.interp(np.linspace(u[i], u[i + 1], 2 * count + 1), fine, law)
-        local = both[::2]
-        middle.append((both[1::2] - local[:-1]) / np.diff(local))
-        t = (local - local[0]) / (local[-1] - local[0])
-        block = np.zeros((count + 1, k))
-        block[:, i], block[:, i + 1] = 1 - t, t
+        points = np.interp(np.linspace(u[i], u[i + 1], 2 * count + 1), fine, spread)
+        rows.append((points - points[0]) / (points[-1] - points[0]))
+    return segment_weights(rows)
+
+
+def segment_weights(points) -> tuple[np.ndarray, np.ndarray]:
+    """The same for given points of every segment: edges (even places) and middles (odd) of its strips, from 0 to 1."""
+    k, rows, middle = len(points) + 1, [], []
+    for i, at in enumerate(points):
+        edges = np.asarray(at, float)[::2]
+        middle.append((np.asarray(at)[1::2] - edges[:-1]) / np.diff(edges))
+        block = np.zeros((len(edges), k))
+        block[:, i], block[:, i + 1] = 1 - edges, edges
         rows.append(block[(0 if i == 0 else 1) :])
     return np.concatenate(rows), np.concatenate(middle)
 
@@ -86,100 +87,92 @@ def _share(lengths: np.ndarray, n: int) -> list[int]:
     """Whole numbers that sum to n, in proportion to ``lengths`` (largest remainder, at least one)."""
     if n < len(lengths):
         raise ValueError(f"{n} strips cannot resolve {len(lengths)} segments")
-    exact = lengths / lengths.sum() * (n - len(lengths))
-    counts = np.floor(exact).astype(int) + 1
-    for i in np.argsort(np.floor(exact) - exact)[: n - counts.sum()]:
-        counts[i] += 1
+    exact = lengths / lengths.sum() * n
+    counts = np.maximum(np.floor(exact).astype(int), 1)
+    while counts.sum() != n:
+        missing = n - counts.sum()
+        rank = np.where((missing > 0) | (counts > 1), np.sign(missing) * (exact - counts), -np.inf)
+        counts[np.argmax(rank)] += np.sign(missing)
     return counts.tolist()
 
 
 def make_grid(y, airfoils, *, nc: int, ns: int, span: str, chord: str) -> Grid:
-    """Cut a surface into nc x ns panels.
+    """Cut a surface into nc x ns panels by laws of spacing, see `core.spacing`.
 
     Args:
         y: spanwise positions of the k sections, m (only their ratios matter).
-        airfoils: k airfoil names.
+        airfoils: k airfoils, see `airfoil.camber_line`.
         nc: panels along the chord.
         ns: panels along the span.
-        span: name of the spacing law along the span.
+        span: law of spacing along the span.
         chord: the same along the chord.
 
     Returns:
-        Grid of numpy arrays, without controls.
+        Grid of numpy arrays.
     """
-    xi = spacing(chord, nc)
-    weights, middle = span_weights(y, ns, span)
-    at = xi[:-1] + (1 - QUARTER) * np.diff(xi)
-    camber = np.stack([camber_line(a, xi)[0] for a in airfoils])
-    slope = np.stack([camber_line(a, at)[1] for a in airfoils])
-    return Grid(weights, middle, xi, camber, slope, np.zeros((nc, ns)))
+    return cut(span_weights(y, ns, law_number(span)), airfoils, nc, law_number(chord))
 
 
-def hinge_share(grid: Grid, y: Float[Array, " k"], *, ends, hinge, gain) -> Float[Array, "nc ns"]:
-    """Share of every panel that lies behind a hinge line, times the control's gain.
-
-    Args:
-        grid: cut of the surface.
-        y: spanwise positions of its sections, m.
-        ends: inner and outer end of the control, m.
-        hinge: hinge line, fraction of the chord.
-        gain: deflection per unit of the command.
-    """
-    edges = grid.weights @ y
-    along = jnp.clip((grid.xi[1:] - jnp.maximum(grid.xi[:-1], hinge)) / jnp.diff(grid.xi), 0.0, 1.0)
-    inner, outer = jnp.maximum(edges[:-1], ends[0]), jnp.minimum(edges[1:], ends[1])
-    across = jnp.clip((outer - inner) / jnp.diff(edges), 0.0, 1.0)
-    return gain * along[:, None] * across[None, :]
+def cut(span: tuple[np.ndarray, np.ndarray], airfoils, nc: int, law: float) -> Grid:
+    """The grid with given spanwise weights and middles (`span_weights`), and nc panels by a law along the chord."""
+    edges, vortices, conditions = (np.asarray(v) for v in chord_points(law, nc))
+    width = np.diff(edges)
+    camber = np.stack([camber_line(a, edges)[0] for a in airfoils])
+    slope = np.stack([camber_line(a, conditions)[1] for a in airfoils])
+    return Grid(*span, edges, (vortices - edges[:-1]) / width, (conditions - edges[:-1]) / width, camber, slope)
 
 
 def surface_mesh(sections: Sections, grid: Grid, shape: str = CAMBER) -> Float[Array, "nc1 ns1 3"]:
-    """Corner points of the panels.
+    """Corner points of the panels, on the ruled surface that straight lines from section to section make.
 
     ``camber``: the points lie on the twisted camber surface, each section turned about its quarter chord.
     ``flat``: they lie on the untwisted chord surface, as in AVL, where camber and twist turn the normals.
     """
-    x_le, y, z, chord, twist = (grid.weights @ s for s in sections)
-    ahead = (grid.xi[:, None] - QUARTER) * chord
+    x_le, y, z, chord, _ = (grid.weights @ s for s in sections)
+    share = (grid.xi - QUARTER)[:, None]
     if shape == FLAT:
-        dx, dz = ahead, jnp.zeros_like(ahead)
+        dx, dz = share * chord, jnp.zeros((grid.xi.shape[0], chord.shape[0]))
     else:
-        height = (grid.weights @ grid.camber).T * chord
-        dx = ahead * jnp.cos(twist) + height * jnp.sin(twist)
-        dz = height * jnp.cos(twist) - ahead * jnp.sin(twist)
+        along, down = _turned(sections, grid.weights)
+        bulge = jnp.asarray(grid.camber) * sections.chord[:, None]
+        dx = share * along + (grid.weights @ (bulge * jnp.sin(sections.twist)[:, None])).T
+        dz = (grid.weights @ (bulge * jnp.cos(sections.twist)[:, None])).T - share * down
     x = x_le + QUARTER * chord + dx
     return jnp.stack([x, jnp.broadcast_to(y, x.shape), z + dz], axis=-1)
 
 
-def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
-    """Vortex rings, collocation points and normals of one surface.
+def _turned(sections: Sections, weights) -> tuple[Array, Array]:
+    """Chord times cosine and chord times sine of the incidence between the sections: both are linear there."""
+    return weights @ (sections.chord * jnp.cos(sections.twist)), weights @ (sections.chord * jnp.sin(sections.twist))
 
-    Rings after Katz & Plotkin, Low-Speed Aerodynamics 2e, section 12.3; the deflection of a control turns the
-    normals of the panels behind its hinge (the share of a panel that the hinge cuts), as in AVL.
+
+def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
+    """Vortex rings, collocation points and normals of one surface, without controls.
+
+    Rings after Katz & Plotkin, Low-Speed Aerodynamics 2e, section 12.3; see `controls` for deflections.
     """
     mesh = surface_mesh(sections, grid, shape)
     along = mesh[1:] - mesh[:-1]
-    rings = jnp.concatenate([mesh[:-1] + QUARTER * along, mesh[-1:]])
-    rear = mesh[:-1] + (1 - QUARTER) * along
-    collocation = between(rear[:, :-1], rear[:, 1:], grid.middle)
+    rings = jnp.concatenate([mesh[:-1] + grid.front[:, None, None] * along, mesh[-1:]])
+    rear = mesh[:-1] + grid.rear[:, None, None] * along
     spans = jnp.stack([(rear[:, :-1] + rear[:, 1:]) / 2, rear[:, 1:] - rear[:, :-1]])
+    collocation = between(rear[:, :-1], rear[:, 1:], grid.middle)
     across = _strip_directions(rings)
     lines = jnp.broadcast_to(across, collocation.shape) if shape == FLAT else rear[:, 1:] - rear[:, :-1]
     normal = _normals(sections, grid, across, lines)
     middle = jnp.asarray(grid.middle)
-    hinge = jnp.asarray(grid.hinge_share)[..., None] * jnp.cross(jnp.broadcast_to(across, normal.shape), normal)
     x_le, y, z, chord, _ = (jnp.asarray(grid.weights) @ s for s in sections)
     edges = jnp.stack([x_le + QUARTER * chord, y, z], axis=-1)
-    width = jnp.sqrt(jnp.sum((edges[1:, 1:] - edges[:-1, 1:]) ** 2, axis=-1))
     return Panels(
-        rings,
-        collocation,
-        spans,
-        normal,
-        hinge,
-        edges,
-        middle,
-        between(chord[:-1], chord[1:], middle),
-        width,
+        rings=rings,
+        collocation=collocation,
+        across=spans,
+        normal=normal,
+        normal_hinge=jnp.zeros((2, 0, *normal.shape)),
+        strip_edges=edges,
+        middle=middle,
+        strip_chord=between(chord[:-1], chord[1:], middle),
+        strip_width=jnp.sqrt(jnp.sum((edges[1:, 1:] - edges[:-1, 1:]) ** 2, axis=-1)),
     )
 
 
@@ -202,8 +195,10 @@ def _normals(sections, grid, across, lines):
     would converge at first order only.
     """
     middle = between(grid.weights[:-1], grid.weights[1:], grid.middle)
-    angle = (middle @ sections.twist) - jnp.arctan(middle @ grid.slope).T
+    along, down = _turned(sections, middle)
+    slope = (middle @ (jnp.asarray(grid.slope) * sections.chord[:, None])).T / (middle @ sections.chord)
+    angle = jnp.arctan2(down, along) - jnp.arctan(slope)
     up = jnp.stack([jnp.zeros_like(across[:, 0]), -across[:, 2], across[:, 1]], axis=-1)
-    along = jnp.cos(angle)[..., None] * jnp.asarray([1.0, 0.0, 0.0]) - jnp.sin(angle)[..., None] * up
-    normal = jnp.cross(along, lines)
+    tangent = jnp.cos(angle)[..., None] * jnp.asarray([1.0, 0.0, 0.0]) - jnp.sin(angle)[..., None] * up
+    normal = jnp.cross(tangent, lines)
     return normal / jnp.linalg.norm(normal, axis=-1, keepdims=True)

@@ -47,15 +47,15 @@ def kernels(points: Float[Array, "p 3"], rings: Float[Array, "nc1 ns1 3"]) -> Fi
     shape = (points.shape[0], *rings.shape[:2])
     r2 = square.reshape(shape)
     r = jnp.sqrt(r2)
-    bound = _segment(
+    bound = segment(
         r[:, :-1, :-1],
         r[:, :-1, 1:],
         r2[:, :-1, :-1],
         r2[:, :-1, 1:],
         _lengths(rings[:-1, :-1], rings[:-1, 1:]),
     )
-    chordwise = _segment(r[:, :-1], r[:, 1:], r2[:, :-1], r2[:, 1:], _lengths(rings[:-1], rings[1:]))
-    return Filaments(bound, chordwise, _half_line(points, rings[-1], r[:, -1]))
+    chordwise = segment(r[:, :-1], r[:, 1:], r2[:, :-1], r2[:, 1:], _lengths(rings[:-1], rings[1:]))
+    return Filaments(bound, chordwise, _half_lines(points, rings[-1], r[:, -1]))
 
 
 def arms(rings: Float[Array, "nc1 ns1 3"]) -> Arms:
@@ -76,8 +76,19 @@ def _lengths(a, b):
     return jnp.sum((b - a) ** 2, axis=-1)
 
 
-def _segment(r1, r2, s1, s2, length2):
-    """Kernel of a segment from the distances to its ends: r1 . r2 = (r1^2 + r2^2 - |b - a|^2) / 2."""
+def segment(r1: Array, r2: Array, s1: Array, s2: Array, length2: Array) -> Array:
+    """Kernel K of a segment from the distances to its ends: r1 . r2 = (r1^2 + r2^2 - |b - a|^2) / 2.
+
+    Args:
+        r1: distances from the first end to the points, m; all arguments broadcast.
+        r2: distances from the second end.
+        s1: squares of ``r1``.
+        s2: squares of ``r2``.
+        length2: squared length of the segment.
+
+    Returns:
+        Kernel of Katz & Plotkin, eq. 10.115, 1/m^2; zero on the segment itself.
+    """
     product = r1 * r2
     denominator = product + (s1 + s2 - length2) / 2
     on_line = denominator <= ON_FILAMENT * product
@@ -85,14 +96,26 @@ def _segment(r1, r2, s1, s2, length2):
     return jnp.where(on_line, 0.0, (r1 + r2) / (FOUR_PI * safe))
 
 
-def _half_line(points, starts, r):
-    """Kernel of the wake lines; downstream r - r_x is written as h^2 / (r + r_x) to keep its digits."""
-    d = points[:, None, :] - starts[None, :, :]
-    x = d[..., 0]
-    h2 = d[..., 1] ** 2 + d[..., 2] ** 2
+def half_line(x: Array, h2: Array, r: Array) -> Array:
+    """Kernel of a wake line; downstream r - r_x is written as h^2 / (r + r_x) to keep its digits.
+
+    Args:
+        x: how far the points are behind the start of the line, m; all arguments broadcast.
+        h2: squared distance from the line, m^2.
+        r: distance from its start, m.
+
+    Returns:
+        K = 1 / (4 pi r (r - x)), 1/m^2.
+    """
     behind = x > 0
     ahead = jnp.where(behind, 1.0, r * (r - x))
     return jnp.where(behind, (r + x) / (r * (h2 + WAKE_CORE**2)), 1.0 / ahead) / FOUR_PI
+
+
+def _half_lines(points, starts, r):
+    """Kernels of the wake lines."""
+    d = points[:, None, :] - starts[None, :, :]
+    return half_line(d[..., 0], d[..., 1] ** 2 + d[..., 2] ** 2, r)
 
 
 def _arm(a, b):

@@ -31,7 +31,7 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
         outputs = [("x_cg", "x_cg_mass"), ("z_cg", "z_cg_mass"), "mass*", "I*"] if fixed_point else ["*"]
         mass = MassProperties(aircraft=aircraft)
         problem.model.add_subsystem("mass_properties", mass, promotes_inputs=["*"], promotes_outputs=outputs)
-    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
+    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft, lateral=True), promotes=["*"])
     if aircraft.mass and aircraft.wing is not None and not fixed_point:
         problem.model.add_subsystem("stability", Stability(aircraft=aircraft), promotes=["*"])
         problem.model.set_input_defaults("alpha", val=aircraft.flight.alpha_deg, units="deg")
@@ -43,7 +43,7 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
         raise AnalysisFailure(str(error), where="analyze") from error
     values, units = collect(problem)
     if aircraft.wing is not None and "x_np" not in values:
-        _, chord = reference(aircraft)
+        chord = reference(aircraft)[1]
         values["x_np"] = values["x_cg"] - float(chord) * values["Cm_alpha"] / values["CZ_alpha"]
         units["x_np"] = "m"
     return {"aircraft": aircraft.name, "hash": definition_hash(aircraft), "units": units, **values}

@@ -47,7 +47,9 @@ def _arrays(aircraft: Aircraft, design: Aircraft, values: dict[str, Any]) -> dic
         out["y_span"], out["cl_span"] = values["y_span"], values["cl_span"]
         out["chord_span"] = np.interp(values["y_span"], sections.y, sections.chord).tolist()
     if design.htail is not None:
-        out["htail_outline"] = _outline(arrays.tail_sections(design.htail))
+        out["htail_outline"] = _outline(
+            next(arrays.sections_of(s) for s in arrays.parts(design, False) if s.name == "htail")
+        )
     rotors = arrays.rotors(design)
     if rotors is not None:
         out["rotors"] = np.column_stack([rotors.hub, rotors.radius]).tolist()

@@ -426,3 +426,10 @@ def test_any_key_anywhere(index, key):
 @settings(deadline=None)
 def test_any_shuffle_of_lines(lines):
     survives(lambda: loads("\n".join(lines)))
+
+
+def test_a_faulty_section_does_not_make_the_array_too_short():
+    text = edit(
+        "[[wing.section]]:tip", "chord_m", "chord_m = 0.0", edit("[[wing.section]]:root", "chord_m", "chord_m = 0")
+    )
+    assert {p.key for p in report(text).problems} == {"wing.section.root.chord_m", "wing.section.tip.chord_m"}

@@ -10,10 +10,8 @@ from hera_om.physics.geometry import (
     CAMBER,
     FLAT,
     Sections,
-    hinge_share,
     make_grid,
     make_panels,
-    spacing,
     span_weights,
     surface_mesh,
 )
@@ -27,19 +25,10 @@ def cut(y=(0.0, 4.0), airfoil="flat", **changes):
     return make_grid(y, [airfoil] * len(y), **(dict(nc=3, ns=4, span="uniform", chord="uniform") | changes))
 
 
-def test_spacing_laws():
-    half = np.sqrt(0.5)
-    np.testing.assert_allclose(spacing("uniform", 2), [0.0, 0.5, 1.0])
-    np.testing.assert_allclose(spacing("cosine", 4), [0.0, (1 - half) / 2, 0.5, (1 + half) / 2, 1.0], atol=1e-15)
-    np.testing.assert_allclose(spacing("sine", 2), [0.0, half, 1.0], atol=1e-15)
-    with pytest.raises(KeyError):
-        spacing("random", 3)
-
-
 @given(
     st.lists(st.floats(0.05, 1.0), min_size=1, max_size=4),
     st.integers(4, 12),
-    st.sampled_from(["uniform", "sine"]),
+    st.sampled_from([0.0, -2.0, 1.0, 2.5]),
 )
 def test_edges_contain_the_sections_and_middles_lie_inside(widths, n, law):
     y = np.r_[0.0, np.cumsum(widths)]
@@ -52,19 +41,14 @@ def test_edges_contain_the_sections_and_middles_lie_inside(widths, n, law):
 
 
 def test_strips_are_shared_by_length():
-    """A quarter of the span gets a quarter of the strips, give or take one."""
-    weights, _ = span_weights([0.0, 1.0, 4.0], 40, "uniform")
-    assert abs(np.sum(weights @ [0.0, 1.0, 4.0] < 1.0) - 10) <= 1
+    """A quarter of the span gets a quarter of the strips."""
+    weights, _ = span_weights([0.0, 1.0, 4.0], 40, 0.0)
+    assert np.sum(weights @ [0.0, 1.0, 4.0] < 1.0 - 1e-9) == 10
 
 
 def test_too_few_strips_are_refused():
     with pytest.raises(ValueError, match="2 strips cannot resolve 3 segments"):
-        span_weights([0.0, 1.0, 2.0, 3.0], 2, "uniform")
-
-
-def test_hinge_cuts_panels_in_part():
-    share = hinge_share(cut(), jnp.array([0.0, 4.0]), ends=(1.5, 4.0), hinge=0.5, gain=2.0)
-    np.testing.assert_allclose(share, 2.0 * np.outer([0.0, 0.5, 1.0], [0.0, 0.5, 1.0, 1.0]), atol=1e-15)
+        span_weights([0.0, 1.0, 2.0, 3.0], 2, 0.0)
 
 
 def test_mesh_by_hand():
@@ -86,13 +70,10 @@ def test_the_camber_surface_has_the_camber_lines_height():
 
 @pytest.mark.parametrize("shape", [CAMBER, FLAT])
 def test_normals_by_hand(shape):
-    """Twist and the elevator (trailing edge down) tilt the normal aft; dihedral tilts it inboard."""
-    twist, dihedral = 0.1, 0.2
-    grid = cut()._replace(hinge_share=np.ones((3, 4)))
+    """Twist tilts the normal aft; dihedral tilts it inboard."""
+    twist, dihedral, grid = 0.1, 0.2, cut()
     plain = make_panels(sections(twist=(twist, twist), x=(0.0, 0.0), chord=(1.0, 1.0)), grid, shape)
     np.testing.assert_allclose(plain.normal, np.broadcast_to([np.sin(twist), 0, np.cos(twist)], (3, 4, 3)), atol=1e-14)
-    hinged = np.broadcast_to([np.cos(twist), 0, -np.sin(twist)], (3, 4, 3))
-    np.testing.assert_allclose(plain.normal_hinge, hinged, atol=1e-14)
     raised = make_panels(sections(z=(0.0, 4.0 * np.tan(dihedral)), x=(0.0, 0.0), chord=(1.0, 1.0)), grid, shape)
     expected = np.broadcast_to([0, -np.sin(dihedral), np.cos(dihedral)], (3, 4, 3))
     np.testing.assert_allclose(raised.normal, expected, atol=1e-14)
@@ -113,10 +94,10 @@ def test_area_of_a_trapezoid():
 
 @pytest.mark.parametrize("shape", [CAMBER, FLAT])
 def test_derivatives(check_derivatives, shape):
-    grid = cut(airfoil="NACA 2412", nc=2, ns=2)._replace(hinge_share=np.ones((2, 2)))
+    grid = cut(airfoil="NACA 2412", nc=2, ns=2)
 
     def run(v):
         p = make_panels(sections(twist=(v[0], v[1]), chord=(2.0, v[2]), z=(0.0, v[3])), grid, shape)
-        return jnp.concatenate([q.ravel() for q in (p.rings, p.collocation, p.normal, p.normal_hinge, p.strip_width)])
+        return jnp.concatenate([q.ravel() for q in (p.rings, p.collocation, p.normal, p.strip_width)])
 
     check_derivatives(run, [0.05, -0.03, 1.2, 0.4])
