@@ -71,6 +71,7 @@ def _tables(blocks: AvlText, surfaces: list[dict[str, Any]], airfoils: dict[Coor
     data: dict[str, Any] = {"name": blocks.title, "source": SOURCE, "flight": {"mach": blocks.mach}}
     data["reference"] = {"S_m2": S, "c_m": c, "b_m": b, "x_m": x, "y_m": y, "z_m": z}
     data["surface"] = surfaces
+    data["lattice"] = {"convention": "avl"}
     if airfoils:
         data["airfoil"] = [{"name": name, "x": list(k.x), "z": list(k.z)} for k, name in airfoils.items()]
     if blocks.drag != 0.0:
@@ -115,6 +116,8 @@ def _surface(
     both = block.mirrored or (blocks.symmetry[0] == 1.0 and not in_plane)
     table: dict[str, Any] = {"name": name, "side": "both" if both else "plane" if in_plane else "one"}
     table |= {"incidence_deg": block.angle, "chordwise": block.chordwise}
+    if block.component is not None:
+        table["component"] = block.component
     table |= {"chordwise_spacing": law_text(block.chordwise_spacing), "section": rows}
     _strips(block, table, blocks.file, problems)
     return table

@@ -63,6 +63,7 @@ class AvlSurface:
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
     shift: tuple[float, ...] = (0.0, 0.0, 0.0)
     angle: float = 0.0
+    component: int | None = None
     sections: list[AvlSection] = field(default_factory=list)
 
 
@@ -130,7 +131,7 @@ class AvlText:
         """A keyword inside a surface."""
         surface = self.surfaces[-1]
         if keyword in ("COMPONENT", "INDEX"):
-            self._numbers("an index", 1, 1)
+            surface.component = round(self._numbers("an index", 1, 1)[0])
         elif keyword == "YDUPLICATE":
             (plane,) = self._numbers("Ydupl", 1, 1)
             surface.mirrored = True

@@ -95,6 +95,8 @@ def _surface(surface: LiftingSurface) -> Iterator[str]:
     if strips is None:
         head += [str(surface.spanwise), _text(surface.spanwise_law)]
     yield " ".join(head)
+    if surface.component is not None:
+        yield from ("COMPONENT", str(surface.component))
     if surface.symmetric:
         yield from ("YDUPLICATE", "0.0")
     if surface.incidence_deg != 0.0:

@@ -1,5 +1,7 @@
 """The fuselage, and drag that no surface carries."""
 
+from typing import Literal
+
 from hera_om.aircraft.fields import IDENTIFIER, NAME, Part, item, number
 
 
@@ -11,6 +13,11 @@ class Fuselage(Part):
     height_m: float = number("largest height", "m", gt=0)
     nose_length_m: float = number("length of the nose ahead of the cylinder", "m", gt=0)
     tail_length_m: float = number("length of the tail behind the cylinder", "m", gt=0)
+    model: Literal["munk", "slender"] = item(
+        "munk: a moment by Munk's slope times munk_factor; slender: loads by slender-body theory and the flow about "
+        "the body at wing and tail, with a lattice that is symmetric and has a wing",
+        "munk",
+    )
     munk_factor: float = number("share of Munk's moment left by the wing's interference", "", 1.0, ge=0, le=2)
 
 

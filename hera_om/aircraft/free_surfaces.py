@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from hera_om.aircraft.fields import NAME, Part, item, number
+from hera_om.aircraft.polars import PolarTable
 from hera_om.aircraft.spacing import LAW
 from hera_om.aircraft.surfaces import AIRFOIL, STRIP_SPACING, STRIPS, Polar
 
@@ -62,10 +63,17 @@ class Surface(Part):
         "both: given for y >= 0 and mirrored; plane: stands in the plane y = 0, such as a fin; one: as given, no image",
         "both",
     )
+    component: int | None = number(
+        "number of its component: where [lattice] follows AVL, vortices of others have a core; absent: its own",
+        "",
+        None,
+        ge=0,
+    )
     incidence_deg: float = number("setting angle added to every section's twist", "deg", 0.0, ge=-90, le=90)
     section: tuple[SurfaceSection, ...] = Field(description="sections, from the root to the tip", min_length=2)
     control: tuple[SurfaceControl, ...] = item("controls", ())
     polar: Polar | None = item("profile drag; absent: none", None)
+    polar_table: PolarTable | None = item("profile drag and stall from a table, instead of polar", None)
     chordwise: int | None = number("panels along the chord; absent: the tail's of [lattice]", "", None, ge=1, le=200)
     spanwise: int | None = number("strips of the whole; absent: the tail's of [lattice]", "", None, ge=1, le=1000)
     chordwise_spacing: str | None = item(f"panels along the chord: {_LAWS}; absent: [lattice]", None, pattern=LAW)

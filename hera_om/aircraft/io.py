@@ -17,6 +17,7 @@ from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.fields import Part, keys_of
 from hera_om.aircraft.overrides import apply_override
 from hera_om.aircraft.paths import suggest
+from hera_om.aircraft.polars import load_polar_tables
 from hera_om.aircraft.report import problems_of, shallow
 from hera_om.aircraft.structure import shipped_materials
 from hera_om.core.errors import InputError, Problem
@@ -111,6 +112,7 @@ def _checked(data: dict[str, Any], file: str, overrides: Mapping[str, float]) ->
         expected = apply_override(data, path, value)
         if expected:
             problems.append(Problem(OVERRIDE, path, shallow(value), expected))
+    problems += load_polar_tables(data, Path(file).parent, file)
     data = _tuples(data)
     try:
         aircraft = Aircraft.model_validate(data)

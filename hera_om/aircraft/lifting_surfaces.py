@@ -12,11 +12,13 @@ from hera_om.aircraft.airfoils import Coordinates
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.free_surfaces import COMMANDS, Surface, SurfaceControl
 from hera_om.aircraft.mission import Lattice
+from hera_om.aircraft.polars import PolarTable
 from hera_om.aircraft.reference import wing_sections
 from hera_om.aircraft.spacing import Segment, law_number, segments
 from hera_om.aircraft.surfaces import HTail, Polar, VTail, Wing
 
 RAD = math.pi / 180.0
+WING, TAILS = 1, 2  # numbers of components
 Pair = tuple[Any, Any]
 
 
@@ -54,6 +56,8 @@ class LiftingSurface(NamedTuple):
     segments: tuple[Segment, ...] | None  # None: `spanwise` strips are shared out by `spanwise_law`
     controls: tuple[SurfaceCommand, ...]
     polar: Polar | None
+    polar_table: PolarTable | None
+    component: int | None  # see `free_surfaces.Surface`; the wing is 1, the tails together 2
 
 
 def lifting_surfaces(aircraft: Aircraft, tan: Callable[[Any], Any] = math.tan) -> tuple[LiftingSurface, ...]:
@@ -136,6 +140,8 @@ def _wing(aircraft: Aircraft, wing: Wing, tan: Callable[[Any], Any]) -> LiftingS
         segments=segments(counts, tuple(s.spacing for s in wing.section[:-1]), law) if counts else None,
         controls=tuple(_partial(*row) for row in pairs if row[3] is not None),
         polar=wing.polar,
+        polar_table=wing.polar_table,
+        component=WING,
     )
 
 
@@ -218,6 +224,8 @@ def _trapezoid(
         segments=None,
         controls=controls,
         polar=tail.polar,
+        polar_table=tail.polar_table,
+        component=TAILS,
     )
 
 
@@ -254,6 +262,8 @@ def _free(aircraft: Aircraft, surface: Surface) -> LiftingSurface:
         segments=segments(counts, tuple(s.spacing for s in rows[:-1]), law) if counts else None,
         controls=tuple(_free_control(c, surface.side, station[-1]) for c in surface.control),
         polar=surface.polar,
+        polar_table=surface.polar_table,
+        component=surface.component,
     )
 
 

@@ -70,6 +70,11 @@ class Lattice(Part):
     fin_spanwise: int | None = number("fin panels along the height; absent: those of the tail", "", None, ge=1, le=1000)
     spacing: Literal["cosine", "uniform", "sine"] = item("panels along the span; sine: dense at the tip", "cosine")
     chordwise_spacing: Literal["uniform", "cosine"] = item("panels along the chord", "uniform")
+    convention: Literal["ring", "avl"] = item(
+        "ring: vortex rings on the twisted camber surface, all bound filaments loaded; avl: as AVL, on the flat chord "
+        "surface, spanwise filaments loaded, cores between components",
+        "ring",
+    )
     wake: Literal["x", "stream"] = item("direction of the trailing vortices: the x axis or the free stream", "x")
     rotor_radial: int = number("rotor stations along the radius", "", 10, ge=2, le=500)
     rotor_azimuthal: int = number("rotor stations around the disk", "", 12, ge=1, le=720)

@@ -25,7 +25,18 @@ def surface_findings(aircraft: Aircraft) -> Iterator[Finding]:
         yield from _numbers_of_strips(aircraft)
     for airfoil in aircraft.airfoil:
         yield from _airfoil(airfoil)
+    yield from _polars(aircraft)
+    if aircraft.fuselage and aircraft.fuselage.model == "slender" and not aircraft.wing:
+        yield Finding("fuselage.model", "slender", "'munk', since there is no [wing] that it could change", "no wing")
     yield from _commands(aircraft)
+
+
+def _polars(aircraft: Aircraft) -> Iterator[Finding]:
+    """A surface has one polar, by formula or by table."""
+    named = {"wing": aircraft.wing, "htail": aircraft.htail, "vtail": aircraft.vtail}
+    for path, part in [*named.items(), *((f"surface.{s.name}", s) for s in aircraft.surface)]:
+        if part is not None and part.polar is not None and part.polar_table is not None:
+            yield Finding(f"{path}.polar_table", "a table", f"polar or polar_table of {path}, not both", "two polars")
 
 
 def _places(surface: Surface) -> Iterator[Finding]:

@@ -3,6 +3,7 @@
 from pydantic import Field
 
 from hera_om.aircraft.fields import NAME, Part, item, number
+from hera_om.aircraft.polars import PolarTable
 from hera_om.aircraft.spacing import LAW
 from hera_om.aircraft.structure import WingStructure
 
@@ -84,6 +85,7 @@ class Wing(Part):
     fuselage_joint_y_m: float = number("where the wing leaves the fuselage", "m", 0.0, ge=0)
     section: tuple[Section, ...] = Field(description="sections from the root to the tip", min_length=2)
     polar: Polar | None = item("profile drag; absent: none", None)
+    polar_table: PolarTable | None = item("profile drag and stall from a table, instead of polar", None)
     control: WingControls = item("trailing-edge controls", WingControls())
     fuel_tank: FuelTank | None = item("fuel tank", None)
     structure: WingStructure | None = item("wing box", None)
@@ -124,6 +126,7 @@ class HTail(Part):
     x_quarter_mac_m: float = number("quarter of the mean aerodynamic chord", "m")
     z_m: float = number("height of the root", "m", 0.0)
     polar: Polar | None = item("profile drag; absent: none", None)
+    polar_table: PolarTable | None = item("profile drag and stall from a table, instead of polar", None)
     control: HTailControls = item("trailing-edge controls", HTailControls())
     mass_per_area_kg_m2: float | None = number("mass per area, for scaling", "kg/m2", None, gt=0)
 
@@ -141,5 +144,6 @@ class VTail(Part):
     x_le_root_m: float = number("leading edge of the root", "m")
     z_root_m: float = number("height of the root", "m", 0.0)
     polar: Polar | None = item("profile drag; absent: none", None)
+    polar_table: PolarTable | None = item("profile drag and stall from a table, instead of polar", None)
     control: VTailControls = item("trailing-edge controls", VTailControls())
     mass_per_area_kg_m2: float | None = number("mass per area, for scaling", "kg/m2", None, gt=0)

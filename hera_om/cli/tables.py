@@ -10,11 +10,11 @@ from hera_om.core.registry import INPUTS, OUTPUTS, quantity
 Result = Mapping[str, Any]
 
 _COEFFICIENTS = ("CL", "CD", "CX", "CY", "CZ", "Cl", "Cm", "Cn")
-_BY = "alpha beta p q r alphadot mach delta_e delta_a delta_r".split()
+_BY = "alpha beta p q r alphadot mach delta_e delta_a delta_r delta_f".split()
 _DERIVATIVE = re.compile(rf"(?P<row>{'|'.join(_COEFFICIENTS)})_(?P<by>{'|'.join(_BY)}|theta_\w+)")
 _DRAG = ("CDi", "CD_profile", "CD_fuselage", "CD_areas", "CD_slipstream", "CD")
 _ROTOR = ("theta", "thrust", "power", "CT", "CP", "eta")
-_CONDITION = "alpha beta mach altitude p_hat q_hat r_hat delta_e delta_a delta_r".split()
+_CONDITION = "alpha beta mach altitude p_hat q_hat r_hat delta_e delta_a delta_r delta_f".split()
 _FORCES = ("CL", "CX", "CY", "CZ", "Cl", "Cm", "Cn", "L_over_D", "thrust", "power")
 _STABILITY = "x_np static_margin omega_sp zeta_sp CAP omega_ph zeta_ph omega_dr zeta_dr tau_roll t2_spiral".split()
 _MASS = "mass m_wing x_cg z_cg Ixx Iyy Izz Ixz RFC RFT".split()

@@ -33,7 +33,7 @@ RAD = np.pi / 180
 COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
 LATERAL = ("CY", "Cl", "Cn")
 # What the factorised system reads, beside the disks and the Mach number.
-GEOMETRY = ("wing", "htail", "vtail", "surface", "lattice")
+GEOMETRY = ("wing", "htail", "vtail", "surface", "fuselage", "lattice")
 
 
 class Aerodynamics(JaxComponent):
@@ -140,7 +140,8 @@ class Aerodynamics(JaxComponent):
     def _fixed_names(self) -> tuple[str, ...]:
         """Inputs that the factorised system depends on."""
         reads = [n for n, path in self.paths.items() if path.split(".")[0] in (*GEOMETRY, "rotor", "blade", "flight")]
-        return tuple(sorted([*reads, "mach"]))
+        turning = ["alpha"] if self.statics.model.stream_wake else []
+        return tuple(sorted([*reads, "mach", *turning]))
 
     def _static(self) -> tuple[Any, ...]:
         return self.structure, self.statics, tuple(self.paths.items())
@@ -219,7 +220,10 @@ class AeroPlan:
             "CD_fuselage",
             "CD_areas",
         ]
-        scalars += ["lift_margin", "dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
+        if self.model.kinds:
+            scalars += ["lift_margin", "lift_margin_smooth"]
+            scalars += ["stall_surface", "stall_y"] if self.model.lateral else []
+        scalars += ["dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
         scalars += LATERAL if self.model.lateral else ()
         scalars += [f"{c}_{by}" for c in self.coefficients for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
@@ -258,6 +262,9 @@ class AeroPlan:
 
 _TEXTS: dict[str, dict[str, Any]] = {
     "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
+    "lift_margin_smooth": {"desc": "smooth minimum of the same, never above it: for constraints"},
+    "stall_surface": {"desc": "index of the lifting surface with the least margin, the wing being 0"},
+    "stall_y": {"units": "m", "desc": "where on it that strip stands"},
     "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
     "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
     "q_S": {"units": "N", "desc": "dynamic pressure times reference area"},
@@ -277,7 +284,9 @@ _TEXTS: dict[str, dict[str, Any]] = {
 def _system(aircraft, statics: AeroPlan, constants, inputs: Values) -> System:
     """First stage."""
     surfaces = arrays.surfaces(aircraft, list(constants), statics.model.lateral)
-    return make_system(surfaces, arrays.rotors(aircraft), statics.rotors, inputs["mach"], statics.model)
+    rotors, slender = arrays.rotors(aircraft), arrays.slender(aircraft)
+    how = {"slender": slender, "alpha": inputs["alpha"] * RAD}
+    return make_system(surfaces, rotors, statics.rotors, inputs["mach"], statics.model, **how)
 
 
 def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tuple[Controls, Setting, Body]:
@@ -350,15 +359,16 @@ def _drag(aircraft, result: AeroResult, body, flow) -> Values:
 
 def _air(result: AeroResult, flow, body: Body) -> Values:
     """Stream and stall margin."""
-    margin = jnp.minimum(result.lift_margin, 1e3)
     q = 0.5 * flow.density * flow.speed**2
     out = {
-        "lift_margin": margin,
         "dynamic_pressure": q,
         "speed": flow.speed,
         "density": flow.density,
         "q_S": q * body.S,
     }
+    if result.stall is not None:
+        out |= {"lift_margin": result.stall.margin, "lift_margin_smooth": result.stall.smooth}
+        out |= {"stall_surface": result.stall.surface.astype(float), "stall_y": result.stall.y}
     return out | {"coupling_residual": result.residual}
 
 

@@ -1,6 +1,7 @@
 """From a definition to the arrays that the physics takes; traced numbers pass through."""
 
 import math
+from functools import lru_cache
 
 import jax
 import jax.numpy as jnp
@@ -8,20 +9,23 @@ import numpy as np
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.lifting_surfaces import LiftingSurface, commands, lifting_surfaces
+from hera_om.aircraft.polar_data import polar_arrays
 from hera_om.aircraft.reference import reference_b, reference_c, reference_S, wing_quarter_mac
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.aircraft.spacing import segment_points
-from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, StripPolar, Surface
+from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.atmosphere import isa
 from hera_om.physics.controls import Control
 from hera_om.physics.fuselage import Fuselage, fuselage_drag, fuselage_moment_slope
-from hera_om.physics.geometry import Grid, Sections, cut, segment_weights, span_weights
+from hera_om.physics.geometry import FLAT, Grid, Sections, cut, segment_weights, span_weights
 from hera_om.physics.layout import FREE, PLANE, ROOTED, SINGLE
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import sense_sign
 from hera_om.physics.section_polar import SectionPolar
+from hera_om.physics.strip_polar import StripPolar, StripTable, make_table
 
 RAD = np.pi / 180
+OWN_COMPONENT = 1000  # numbers from here on are of surfaces that give none
 NO_POLAR = StripPolar(0.0, 0.0, 0.0, 1e6, 10.0)
 
 
@@ -46,7 +50,13 @@ def model(aircraft: Aircraft, lateral: bool) -> Model:
     if alone and not lateral:
         raise ValueError(f"surface {alone[0]!r} has no mirror image: its flow is never symmetric")
     kinds = tuple(_kind(s) for s in found)
-    return Model(kinds, commands=len(model_commands(aircraft, lateral)), lateral=lateral)
+    how = {"commands": len(model_commands(aircraft, lateral)), "lateral": lateral}
+    how["stream_wake"] = aircraft.lattice.wake == "stream"
+    if aircraft.lattice.convention == "avl":
+        numbers = (s.component for s in found)
+        own = (OWN_COMPONENT + i if n is None else n for i, n in enumerate(numbers))
+        return Model(kinds, shape=FLAT, components=tuple(own), **how)
+    return Model(kinds, **how)
 
 
 def _kind(surface: LiftingSurface) -> str:
@@ -101,10 +111,19 @@ def _controls(s: LiftingSurface, order: tuple[str, ...]) -> tuple[Control, ...]:
     )
 
 
-def _polar(s: LiftingSurface) -> StripPolar:
+def _polar(s: LiftingSurface) -> StripPolar | StripTable:
     """Polar of a surface; without one there is no profile drag."""
+    if s.polar_table is not None and s.polar_table.csv is not None and s.name != "vtail":
+        return _table(s.polar_table.csv)
     p = s.polar
     return NO_POLAR if p is None or s.name == "vtail" else StripPolar(p.cd_min, p.cl_at_cd_min, p.k, p.re, p.cl_max)
+
+
+@lru_cache(maxsize=16)
+def _table(csv: str) -> StripTable:
+    """Spline coefficients of a polar table, made once."""
+    a = polar_arrays(csv)
+    return make_table(np.deg2rad(a.alpha_deg), a.reynolds, a.mach, cl=a.cl, cd=a.cd, cm=a.cm)
 
 
 def wing_arrays(aircraft: Aircraft) -> Sections:
@@ -192,6 +211,23 @@ def _quarter(aircraft: Aircraft):
     return wing_quarter_mac(aircraft.wing, jnp.tan) if aircraft.wing is not None else (0.0, 0.0, 0.0)
 
 
+def _shell(f) -> Fuselage:
+    """Outer dimensions of a fuselage."""
+    return Fuselage(f.length_m, f.width_m, f.height_m, f.nose_length_m, f.tail_length_m)
+
+
+def slender(aircraft: Aircraft) -> Slender | None:
+    """The fuselage whose flow the lattice feels, if it is modelled so."""
+    f = aircraft.fuselage
+    if f is None or f.model != "slender" or aircraft.wing is None:
+        return None
+    found = {s.name: s for s in lifting_surfaces(aircraft, jnp.tan)}
+    wing, tail = found["wing"], found.get("htail")
+    x_le = jnp.asarray(wing.x_le[0], float)
+    x_tail = f.length_m if tail is None else tail.x_le[0] + 0.25 * tail.chord[0]
+    return Slender(_shell(f), (x_le, x_le + wing.chord[0]), jnp.asarray(x_tail, float))
+
+
 def body(aircraft: Aircraft, stream: Flow) -> Body:
     """Reference quantities, fuselage and drag areas; a rotor alone refers to its disk and diameter."""
     S, c, b = reference(aircraft)
@@ -201,8 +237,9 @@ def body(aircraft: Aircraft, stream: Flow) -> Body:
     unit = stream.density * stream.speed / stream.viscosity
     if aircraft.fuselage is not None:
         f = aircraft.fuselage
-        shape = Fuselage(f.length_m, f.width_m, f.height_m, f.nose_length_m, f.tail_length_m)
-        slope = fuselage_moment_slope(shape, S=S, length_ref=c, munk_factor=f.munk_factor)
+        shape = _shell(f)
+        if f.model == "munk":
+            slope = fuselage_moment_slope(shape, S=S, length_ref=c, munk_factor=f.munk_factor)
         friction = fuselage_drag(shape, reynolds_per_length=unit, mach=stream.mach, S=S) * S
         areas.append((friction, f.length_m / 2, 0.0, free))
     if aircraft.vtail is not None and aircraft.vtail.polar is not None:

@@ -5,20 +5,12 @@ from typing import NamedTuple
 from jaxtyping import Array, Float
 
 from hera_om.physics.controls import Control
+from hera_om.physics.fuselage import Fuselage
 from hera_om.physics.geometry import CAMBER, Grid, Sections
 from hera_om.physics.section_polar import SectionPolar
+from hera_om.physics.strip_polar import StripPolar, StripTable
 
 Number = Float[Array, ""] | float
-
-
-class StripPolar(NamedTuple):
-    """Profile-drag polar of a surface: cd = cd_min (Re law) + k (cl - cl_at_cd_min)^2."""
-
-    cd_min: Number
-    cl_at_cd_min: Number
-    k: Number
-    re: Number
-    cl_max: Number
 
 
 class Surface(NamedTuple):
@@ -26,7 +18,7 @@ class Surface(NamedTuple):
 
     sections: Sections
     grid: Grid
-    polar: StripPolar
+    polar: StripPolar | StripTable
     station: Float[Array, " k"]  # coordinate of the sections along the span, m
     controls: tuple[Control, ...] = ()
 
@@ -54,6 +46,14 @@ class Drag(NamedTuple):
     x: Float[Array, " a"]  # m
     z: Float[Array, " a"]  # m
     rotor_share: Float[Array, "a m"]  # shares of the area that stand behind each rotor; zero rows: in free stream
+
+
+class Slender(NamedTuple):
+    """A fuselage whose flow wing and tail feel, see `slender_body`."""
+
+    shape: Fuselage
+    root: tuple[Number, Number]  # leading and trailing edge of the wing root, m
+    x_tail: Number  # station of the horizontal tail, or the end of the body, m
 
 
 class Body(NamedTuple):
@@ -86,6 +86,7 @@ class Model(NamedTuple):
         CAMBER  # of the panels, see `geometry.surface_mesh`; FLAT follows AVL: bound filaments alone carry force
     )
     components: tuple[int, ...] | None = None  # of each surface, see `lattice.assemble`
+    stream_wake: bool = False  # whether the wake runs along the free stream (without its sideslip), not along x
     lateral: bool = False  # whether the two halves may differ
 
 

@@ -1,5 +1,6 @@
 """Aerodynamics of a whole aircraft: coefficients, drag build-up, derivatives, loads."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax
@@ -7,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Body, Flow, Model, RotorPlan, StripPolar, Surface
+from hera_om.physics.aero_cases import Body, Flow, Model, RotorPlan, Surface
 from hera_om.physics.coupling import (
     SLIPSTREAM,
     Controls,
     Response,
     Setting,
+    body_motion,
     both_parts,
     induced,
     make_surfaces,
@@ -20,6 +22,7 @@ from hera_om.physics.coupling import (
     panel_layout,
     respond,
     sides,
+    turned,
     wind,
 )
 from hera_om.physics.disks import Wake, mean_slipstreams
@@ -34,9 +37,16 @@ from hera_om.physics.lattice_forces import (
     trefftz,
 )
 from hera_om.physics.layout import Layout
-from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import RotorSolution
+from hera_om.physics.slender_body import body_loads
+from hera_om.physics.strip_polar import StripPolar, StripState, StripTable, stall_guard, strip_states
 from hera_om.physics.unsteady_lattice import plunge_rate, unsteady_resultant
+
+Polars = Sequence[StripPolar | StripTable]
+STILL_REYNOLDS = 1e6
+"""Reynolds number by length, 1/m, where the air stands still: no force follows from it."""
+FAR = 1e3
+"""Margin to stall of a strip that is not there."""
 
 
 class Coefficients(NamedTuple):
@@ -69,6 +79,15 @@ class Loads(NamedTuple):
     rotors: RotorSolution | None
 
 
+class Stall(NamedTuple):
+    """Where local lift comes nearest to the end of its polar, or leaves it farthest; None without a lattice."""
+
+    margin: Array  # least margin of the section lift coefficients, negative beyond the polar
+    smooth: Array  # the same as a smooth minimum, never above it
+    surface: Array  # index of the surface
+    y: Array  # of the strip, m; negative on the port half
+
+
 class AeroResult(NamedTuple):
     """Outcome of `evaluate`. Derivatives are by alpha, q_hat, delta, theta and lateral of `Controls`, per radian."""
 
@@ -77,7 +96,7 @@ class AeroResult(NamedTuple):
     thrust_by: Float[Array, "m s"]  # of each starboard rotor, N
     alphadot: Coefficients  # by alphadot c / 2V
     drag: DragParts
-    lift_margin: Array  # least of cl_max - |cl| over the strips
+    stall: Stall | None
     cl_strips: Float[Array, " s"]  # section lift coefficients on the local dynamic pressure, wing first
     loads: Loads
     wake: Wake | None
@@ -115,7 +134,7 @@ def evaluate(
         AeroResult.
     """
     n, lay = flat.shape[0], panel_layout(surfaces, model)
-    polar = _strip_polars(surfaces, lay)
+    polars = [s.polar for s in surfaces]
     first, unpack = _as_vector(x)
     state = jnp.concatenate([flat, first])
 
@@ -133,11 +152,11 @@ def evaluate(
 
     def forces(step):
         moved = jax.tree.map(lambda value, slope: value + slope @ step, answer, by)
-        total, rest = _coefficients(unpack(first + step), moved, polar, at=at, plan=plan, body=body, lay=lay)
+        total, rest = _coefficients(unpack(first + step), moved, polars, at=at, plan=plan, body=body, lay=lay)
         return total, (total, rest)
 
     derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
-    drag, cl, margin, wing, local = rest
+    drag, cl, stall, wing, local = rest
     panels = make_surfaces(surfaces, model)
     alphadot = _alphadot(local, x, answer, by.gamma[..., 0], panels, at=at, body=body, lay=lay)
     return AeroResult(
@@ -146,7 +165,7 @@ def evaluate(
         thrust_by=jnp.zeros((0, first.shape[0])) if by.loads is None else by.loads.thrust[0],
         alphadot=alphadot,
         drag=drag,
-        lift_margin=margin,
+        stall=stall,
         cl_strips=cl,
         loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads)),
         wake=None if answer.wake is None else jax.tree.map(lambda v: v[0], answer.wake),
@@ -165,17 +184,18 @@ def _as_vector(x: Controls):
     return jnp.concatenate([jnp.stack([x.alpha, x.q_hat]), x.delta, x.theta, x.lateral]), unpack
 
 
-def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setting, plan, body: Body, lay: Layout):
+def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, body: Body, lay: Layout):
     """Coefficients and everything that hangs on the same forces."""
+    at = turned(at, x)
     flow, stream = at.flow, wind(x)
     up = jnp.stack([-jnp.sin(x.alpha), jnp.zeros_like(x.alpha), jnp.cos(x.alpha)])
     force = moment = profile_force = local = jnp.zeros(3)
-    cl, margin, wing = jnp.zeros(0), jnp.asarray(jnp.inf), None
+    cl, stall, wing = jnp.zeros(0), None, None
     induced_drag = slip = trace = jnp.zeros(())
     if at.system.lattice is not None:
-        halves, local = _half_loads(x, answer, polar, at=at, plan=plan, lay=lay)
-        wing, cl = halves[0].loads, halves[0].cl
-        margin = jnp.min(jnp.stack([h.margin for h in halves]))
+        halves, local = _half_loads(x, answer, polars, at=at, plan=plan, lay=lay)
+        wing, cl = halves[0].loads, halves[0].state.cl
+        stall = _stall(at.system.lattice, lay, [h.state for h in halves])
         force, moment = resultant([h.loads for h in halves], lay, flow.point)
         profile_force = both_halves([jnp.sum(h.profile, axis=0) for h in halves])
         slip = (halves[0].slip + halves[-1].slip) / body.S
@@ -183,6 +203,13 @@ def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setti
         trace = _trace_drag(at.system.lattice, lay, answer.gamma) / body.S
     area_force, area_moment = _areas(body, answer, stream, flow)
     force, moment = force + area_force, moment + area_moment
+    if at.system.slender is not None and answer.upwash is not None:
+        shell = at.system.slender.body
+        loads = body_loads(
+            shell.shape, flow=body_motion(x, at), root=shell.root, x_tail=shell.x_tail, induced=answer.upwash
+        )
+        force = force + loads.force
+        moment = moment + loads.moment + _transfer(loads.force, flow.point)
     everything, turning = force / body.S, moment / body.S + body.c * body.munk_slope * _pitching(x)
     if plan is not None and answer.loads is not None:
         hub_force, hub_moment = _hub_loads(at.rotors, plan, answer.loads, flow)
@@ -199,7 +226,12 @@ def _coefficients(x: Controls, answer: Response, polar: StripPolar, *, at: Setti
         Cn=-turning[2] / body.b,
     )
     parts = DragParts(trace, induced_drag, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
-    return total, (parts, cl, margin, wing, local)
+    return total, (parts, cl, stall, wing, local)
+
+
+def _transfer(force, point):
+    """Moment of a force on the fuselage's axis about a point at another height or beside it."""
+    return jnp.cross(-point * jnp.asarray([0.0, 1.0, 1.0]), force)
 
 
 def _pitching(x: Controls):
@@ -214,11 +246,10 @@ class HalfLoads(NamedTuple):
     loads: StripLoads  # profile drag included
     profile: Float[Array, "s 3"]  # force of the profile drag that belongs to the half, m^2
     slip: Array  # drag of the slipstream's velocities on the circulation, m^2
-    cl: Float[Array, " s"]
-    margin: Array
+    state: StripState
 
 
-def _half_loads(x: Controls, answer: Response, polar: StripPolar, *, at: Setting, plan, lay: Layout):
+def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, lay: Layout):
     """Loads of each half, and the velocity at the filaments of the starboard one."""
     lattice, flow, halves = at.system.lattice, at.flow, sides(x)
     assert lattice is not None
@@ -234,13 +265,22 @@ def _half_loads(x: Controls, answer: Response, polar: StripPolar, *, at: Setting
         local = onset(lattice.points, x, at, side) + wash[i]
         strength = filament_strengths(lay, answer.gamma[i], None if odd is None else side * odd)
         loads = strip_loads(lattice, lay, filament_forces(lattice, strength, local + own[i]))
-        drag, cl, margin = _profile(lattice, lay, loads, local, polar, flow)
-        weight = lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer]
+        drag, state = _profile(lattice, lay, loads, local, polars, flow)
+        weight = jnp.asarray(lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer])
         slip = 2.0 * (weight * strength) @ (jnp.cross(wash[i], lattice.arms) @ wind(x, side))
-        here = lay.weight * (lay.image if side < 0 else 1.0)
-        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, cl, margin))
+        here = jnp.asarray(lay.weight * (lay.image if side < 0 else 1.0))
+        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, state))
         first = local if first is None else first
     return out, first
+
+
+def _stall(lattice: Lattice, lay: Layout, halves: list[StripState]) -> Stall:
+    """The stall guard over the strips of both halves; strips without an image count once."""
+    there = [np.ones(len(lay.image), bool), lay.image.astype(bool)][: len(halves)]
+    margin = jnp.concatenate([jnp.where(t, h.margin, FAR) for t, h in zip(there, halves, strict=True)])
+    y = jnp.concatenate([side * lattice.strip_point[:, 1] for side in (1.0, -1.0)[: len(halves)]])
+    found = stall_guard(margin, lay.strips * len(halves), y)
+    return Stall(found.least, found.smooth, found.surface % len(lay.strips), found.y)
 
 
 def _trace_drag(lattice: Lattice, lay: Layout, gamma: Float[Array, "h n"]):
@@ -250,14 +290,8 @@ def _trace_drag(lattice: Lattice, lay: Layout, gamma: Float[Array, "h n"]):
     return drag if odd is None else drag + trefftz(lattice, lay, odd, odd=True)[1]
 
 
-def _strip_polars(surfaces: list[Surface], lay: Layout) -> StripPolar:
-    """Polars of all strips, one array a number."""
-    rows = [jax.tree.map(lambda v, k=k: jnp.full(k, v), s.polar) for s, k in zip(surfaces, lay.strips, strict=True)]
-    return jax.tree.map(lambda *parts: jnp.concatenate(parts), *rows) if rows else StripPolar(*[jnp.zeros(0)] * 5)
-
-
-def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polar: StripPolar, flow: Flow):
-    """Profile drag of every strip in its own stream, section lift coefficients, least margin to cl_max.
+def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polars: Polars, flow: Flow):
+    """Profile drag of every strip in its own stream, and what its polar says.
 
     The stream of a strip is the mean over its bound filaments, without the lattice's own induction.
     """
@@ -269,12 +303,10 @@ def _profile(lattice: Lattice, lay: Layout, loads: StripLoads, velocity, polar: 
     up = up / jnp.linalg.norm(up, axis=-1, keepdims=True)
     area = lattice.strip_chord * lattice.strip_width
     cl = jnp.sum(loads.force * up, axis=-1) / (q * area)
-    scale = jnp.where(flow.speed > 0, flow.density * flow.speed / flow.viscosity, polar.re / lattice.strip_chord)
-    reynolds = scale * jnp.sqrt(q) * lattice.strip_chord
-    cd = section_profile_drag(
-        cl, reynolds, cd_min=polar.cd_min, cl_at_cd_min=polar.cl_at_cd_min, k=polar.k, re_ref=polar.re
-    )
-    return (cd * jnp.sqrt(q) * area)[:, None] * local, cl, jnp.min(polar.cl_max - jnp.abs(cl))
+    unit = jnp.where(flow.speed > 0, flow.density * flow.speed / flow.viscosity, STILL_REYNOLDS)
+    reynolds = unit * jnp.sqrt(q) * lattice.strip_chord
+    state = strip_states(polars, lay.strips, cl, reynolds=reynolds, mach=flow.mach)
+    return (state.cd * jnp.sqrt(q) * area)[:, None] * local, state
 
 
 def _areas(body: Body, answer: Response, stream, flow: Flow):

@@ -8,19 +8,21 @@ symmetry mirrors it. There sideslip, roll and yaw rate change their signs and ea
 port half, so that the geometry of the starboard half serves both.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Surface
+from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import Wake, disk_points, mean_slipstreams, rotor_loads
 from hera_om.physics.geometry import FLAT, Panels
 from hera_om.physics.lattice import Lattice, assemble, solve, solve_halves
 from hera_om.physics.layout import Layout, layout
 from hera_om.physics.rotor import RotorSolution
+from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
 
 TOLERANCE = 1e-12  # of the induced velocities over the flight speed
 MAX_ITERATIONS = 60  # of the coupling; the residual is an output, so that a failure is seen
@@ -30,6 +32,14 @@ UPWASH = 1.0
 """Share of the surfaces' induced velocity that reaches the disks."""
 
 
+class SlenderInfluence(NamedTuple):
+    """What a slender fuselage and the lattice do to each other."""
+
+    body: Slender
+    field: BodyField  # of the body at the collocation points
+    upwash: Float[Array, "m n"]  # z velocity at `slender_body.axis_points` per unit circulation, mirrored flow
+
+
 class System(NamedTuple):
     """Everything that does not depend on incidence, rates, controls or blade pitch."""
 
@@ -37,6 +47,9 @@ class System(NamedTuple):
     # velocity at the blade elements per unit circulation, m nr npsi 3 n: in mirrored flow, in reversed flow
     disk_velocity: tuple[Array | None, Array | None]
     wing_edges: Array | None  # [ns + 1] y of the edges of the first surface's strips, m
+    slender: SlenderInfluence | None = None
+    wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
+    turn: Any = None  # derivative of all this by that angle, without factors
 
 
 def split_factors(system: System) -> tuple[System, tuple]:
@@ -87,6 +100,7 @@ class Response(NamedTuple):
     gamma: Float[Array, "h n"]  # circulations of each half
     loads: RotorSolution | None
     wake: Wake | None
+    upwash: Array | None = None  # of the lattice at the axis of a slender fuselage
 
 
 class Setting(NamedTuple):
@@ -99,19 +113,59 @@ class Setting(NamedTuple):
     b: Array | float  # reference span, m
 
 
-def make_system(surfaces: list[Surface], rotors: Rotors | None, plan: RotorPlan | None, mach, model: Model) -> System:
-    """Panels, factorised lattice, and its influence on the disks."""
+def make_system(
+    surfaces: list[Surface],
+    rotors: Rotors | None,
+    plan: RotorPlan | None,
+    mach,
+    model: Model,
+    slender: Slender | None = None,
+    alpha=None,
+) -> System:
+    """Panels, factorised lattice, its influence on the disks and on the axis of a slender fuselage.
+
+    With a wake along the stream all of it depends on the incidence ``alpha``: its derivative stands in ``turn``,
+    so that derivatives by the state hold it too (`turned`).
+    """
+    if not model.stream_wake:
+        return _straight_system(surfaces, rotors, plan, mach, model, slender, None)
+
+    def build(angle):
+        return split_factors(_straight_system(surfaces, rotors, plan, mach, model, slender, angle))
+
+    angle = jnp.asarray(alpha, float)
+    bare, turn, factors = jax.jvp(build, (angle,), (jnp.ones(()),), has_aux=True)
+    return join_factors(bare, factors)._replace(wake_angle=angle, turn=turn)
+
+
+def turned(at: Setting, x: Controls) -> Setting:
+    """The setting with its wake turned to the stream: no change of values, but of derivatives by incidence."""
+    if at.system.turn is None:
+        return at
+    bare, factors = split_factors(at.system._replace(turn=None, wake_angle=None))
+    step = x.alpha - at.system.wake_angle
+    moved = jax.tree.map(lambda value, slope: value + step * slope, bare, at.system.turn)
+    return at._replace(system=join_factors(moved, factors))
+
+
+def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slender | None, angle) -> System:
+    """The system for a wake along x, or at an angle."""
     panels = make_surfaces(surfaces, model)
     if not panels:
         return System(None, (None, None), None)
     edges = panels[0].strip_edges[:, 1]
-    how = {"kinds": model.kinds, "lateral": model.lateral, "components": model.components}
-    if rotors is None or plan is None:
-        return System(assemble(panels, mach, **how)[0], (None, None), edges)
-    points = disk_points(rotors, plan)
-    lattice, upwash = assemble(panels, mach, points.reshape(-1, 3), **how)
-    at_disks = [None if u is None else u.reshape(*points.shape[:3], 3, -1) for u in upwash]
-    return System(lattice, (at_disks[0], at_disks[1]), edges)
+    how = {"kinds": model.kinds, "lateral": model.lateral, "components": model.components, "wake_angle": angle}
+    disks = jnp.zeros((0, 1, 1, 3)) if rotors is None or plan is None else disk_points(rotors, plan)
+    axis = jnp.zeros((0, 3))
+    if slender is not None:
+        axis = axis_points(slender.shape, x_le=slender.root[0], x_tail=slender.x_tail)
+    lattice, (even, odd) = assemble(panels, mach, jnp.concatenate([disks.reshape(-1, 3), axis]), **how)
+    count = disks[..., 0].size
+    at_disks = [None if u is None or not count else u[:count].reshape(*disks.shape[:3], 3, -1) for u in (even, odd)]
+    influence = None
+    if slender is not None:
+        influence = SlenderInfluence(slender, mean_body_field(slender.shape, *lattice.across), even[count:, 2])
+    return System(lattice, (at_disks[0], at_disks[1]), edges, influence)
 
 
 def make_surfaces(surfaces: list[Surface], model: Model) -> list[Panels]:
@@ -174,12 +228,41 @@ def circulation(at: Setting, x: Controls, extra: Float[Array, "h n 3"] | None = 
         return jnp.zeros((len(halves), 0))
     needed = []
     for i, side in enumerate(halves):
-        wash = onset(lattice.collocation, x, at, side)
-        wash = wash if extra is None else wash + extra[i]
-        needed.append(-jnp.sum(wash * normals(lattice, x.delta, side), axis=-1))
+        normal = normals(lattice, x.delta, side)
+        wash = _wash(at, x, extra, i, side)
+        if at.system.slender is not None:
+            field, (w, v) = at.system.slender.field, crossflow(body_motion(x, at, side), lattice.collocation[:, 0])
+            wash = field.shield[:, None] * wash + w[:, None] * field.by_w + v[:, None] * field.by_v
+        needed.append(-jnp.sum(wash * normal, axis=-1))
     if len(needed) == 1:
         return solve(lattice.even, needed[0])[None]
     return solve_halves(lattice, *needed)
+
+
+def _wash(at: Setting, x: Controls, extra: Array | None, i: int, side: float) -> Float[Array, "n 3"]:
+    """Velocity at the collocation points of a half but for the lattice's own and the body's."""
+    lattice = at.system.lattice
+    assert lattice is not None
+    wash = onset(lattice.collocation, x, at, side)
+    return wash if extra is None else wash + extra[i]
+
+
+def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
+    """Motion of the fuselage as a half sees it."""
+    beta, yaw = (x.lateral[0], 2.0 * x.lateral[2] / at.b) if x.lateral.shape[0] else (0.0, 0.0)
+    return Crossflow(x.alpha, side * beta, 2.0 * x.q_hat / at.c, side * yaw, at.flow.point[0])
+
+
+def axis_upwash(at: Setting, x: Controls, extra: Array | None = None) -> Array | None:
+    """Upwash of the surfaces at the axis of a slender fuselage, as they would be without it."""
+    lattice, slender = at.system.lattice, at.system.slender
+    if lattice is None or slender is None:
+        return None
+    needed = [
+        -jnp.sum(_wash(at, x, extra, i, side) * normals(lattice, x.delta, side), axis=-1)
+        for i, side in enumerate(sides(x))
+    ]
+    return slender.upwash @ solve(lattice.even, both_parts(needed)[0])
 
 
 def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float[Array, "h *p 3"]:
@@ -206,8 +289,9 @@ def _rotor_halves(plan: RotorPlan, lateral: bool) -> int:
 
 def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, phi=None) -> Response:
     """One pass: slipstreams of the given strength, the lattice in them, the rotors in its upwash."""
+    at = turned(at, x)
     if plan is None or at.rotors is None:
-        return Response(flat, circulation(at, x), None, None)
+        return Response(flat, circulation(at, x), None, None, axis_upwash(at, x))
     if at.system.lattice is None:
         loads = _disk_loads(at.rotors, at, x, None, plan=plan, phi=phi)
         wake = Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed)
@@ -218,7 +302,7 @@ def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan 
     gamma = circulation(at, x, extra)
     loads = _disk_loads(at.rotors, at, x, gamma, plan=plan, phi=phi)
     answer = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
-    return Response(answer, gamma, loads, wake)
+    return Response(answer, gamma, loads, wake, axis_upwash(at, x, extra))
 
 
 def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:

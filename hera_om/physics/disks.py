@@ -143,9 +143,10 @@ def slipstreams(
 
     mirror, n = jnp.asarray(MIRROR), points.shape[0]
     both = jnp.concatenate([points, points * mirror])
-    fixed = jax.tree.map(lambda v: jnp.concatenate([v] * halves), (rotors.hub, axes, rotors.radius, r, rotors.sense))
+    fixed = (rotors.hub, axes, rotors.radius, r, rotors.sense)
+    hub, axis, radius, r, sense = (jnp.concatenate([v] * halves) for v in fixed)
     axial, swirl = (v.reshape(halves * m, -1) for v in wake)
-    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))(both, *fixed[:4], axial, swirl, fixed[4])
+    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))(both, hub, axis, radius, r, axial, swirl, sense)
     field = jnp.sum(each.reshape(halves, m, *each.shape[1:]), axis=1)
     if plan.sides == 1:  # rotors in the plane of symmetry have no image
         return jnp.concatenate([field[:, :n], field[:, n:] * mirror])[: 2 if lateral else 1]

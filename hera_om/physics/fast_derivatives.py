@@ -16,6 +16,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.fast_lattice import FastLattice, assemble, solve, velocities
 from hera_om.physics.geometry import Panels, between
+from hera_om.physics.lattice import shapes
 from hera_om.physics.lattice_forces import both_halves, filament_strengths
 from hera_om.physics.layout import Layout, layout
 
@@ -86,7 +87,7 @@ def response(
     Returns:
         Response; derivatives per radian and per unit of the rates. Valid where the lattice is.
     """
-    plan = layout([s.collocation.shape[:2] for s in surfaces], kinds)
+    plan = layout(shapes(surfaces), kinds)
     every = tuple(range(len(by) + 1))
     odd = tuple(i + 1 for i, entry in enumerate(by) if entry in reversed_entries)
     columns = _Columns(len(every), tuple(i for i in every if i not in odd), odd)
@@ -146,8 +147,8 @@ def _geometry(surfaces: Sequence[Panels], plan: Layout) -> _Geometry:
         left, right, front, back = s.rings[:-1, :-1], s.rings[:-1, 1:], s.rings[:-1], s.rings[1:]
         points += [between(left, right, s.middle), (front + back) / 2]
         lines += [right - left, back - front]
-    flat = [jnp.concatenate([a.reshape(-1, 3) for a in family]) for family in (points, lines)]
-    return _Geometry(jnp.concatenate(hinge, axis=2), *flat, plan.weight[plan.inner][:, None])
+    points, lines = (jnp.concatenate([a.reshape(-1, 3) for a in family]) for family in (points, lines))
+    return _Geometry(jnp.concatenate(hinge, axis=2), points, lines, plan.weight[plan.inner][:, None])
 
 
 def _with_derivatives(function, state, by) -> Array:

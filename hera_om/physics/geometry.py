@@ -158,7 +158,8 @@ def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
     spans = jnp.stack([(rear[:, :-1] + rear[:, 1:]) / 2, rear[:, 1:] - rear[:, :-1]])
     collocation = between(rear[:, :-1], rear[:, 1:], grid.middle)
     across = _strip_directions(rings)
-    lines = jnp.broadcast_to(across, collocation.shape) if shape == FLAT else rear[:, 1:] - rear[:, :-1]
+    bound, behind = rings[:-1, 1:] - rings[:-1, :-1], rear[:, 1:] - rear[:, :-1]
+    lines = bound if shape == FLAT else behind  # AVL's normals stand on the bound filament
     normal = _normals(sections, grid, across, lines)
     middle = jnp.asarray(grid.middle)
     x_le, y, z, chord, _ = (jnp.asarray(grid.weights) @ s for s in sections)

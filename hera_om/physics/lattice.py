@@ -5,8 +5,8 @@ reverses. Both have the same influence of a ring and differ in the sign of the i
 gives two systems of half the size (`Half`). A surface in the plane itself (a fin) is its own image and takes
 part in the second one only.
 
-The wake runs along x, so that the matrices depend on geometry and Mach number alone: one factorisation of each
-serves every incidence, rate, control angle and slipstream, all derivatives by them, and the adjoint. Equations:
+The wake runs along x by default, so that the matrices depend on geometry and Mach number alone: one factorisation
+of each serves every incidence, rate, control angle and slipstream, all derivatives by them, and the adjoint. Equations:
 Katz & Plotkin, Low-Speed Aerodynamics 2e, chapter 12; compressibility: Prandtl-Glauert as in AVL, the physical
 boundary condition with the velocities of the stretched problem (see `vortex_kernel`).
 
@@ -87,6 +87,7 @@ def assemble(
     kinds: Sequence[str] | None = None,
     lateral: bool = False,
     components: Sequence[int] | None = None,
+    wake_angle: Array | None = None,
 ) -> tuple[Lattice, tuple[Array, Array | None]]:
     """Influence matrices and factorisations of a lattice.
 
@@ -96,6 +97,7 @@ def assemble(
         elsewhere: further points whose velocities are wanted, m.
         kinds: how each surface meets the plane of symmetry, see `layout.layout`.
         lateral: whether the reversed flow is wanted too.
+        wake_angle: of the wake lines above the x axis, rad; absent: they run along x.
         components: number of each surface's component; between components vortices have a core, as in AVL.
 
     Returns:
@@ -108,7 +110,8 @@ def assemble(
     n, e = collocation.shape[0], points.shape[0]
     everywhere = jnp.concatenate([collocation, points, extra])
     owners = None if components is None else _owners(surfaces, components, extra.shape[0])
-    own, image = ring_velocities(everywhere, surfaces, prandtl_glauert(mach), owners)
+    beta = prandtl_glauert(mach)
+    own, image = ring_velocities(everywhere, surfaces, beta, owners, _direction(wake_angle, beta))
     even, odd = own + image, own - image if lateral else None
     plane = _marked(surfaces, kinds, PLANE)
     mirrored_flow = _half(even, normal, e, jnp.diag(jnp.asarray(plane)) if plane.any() else None)
@@ -117,7 +120,7 @@ def assemble(
         odd = odd * jnp.asarray(1.0 - 0.5 * plane)  # its own image is there already
         reversed_flow = _half(odd, normal, e, None)
     edges = [s.strip_edges for s in surfaces]
-    trail = [s.rings[-1, :, 1:] for s in surfaces]
+    trail = [_trace(s.rings[-1], wake_angle) for s in surfaces]
     lattice = Lattice(
         collocation,
         jnp.concatenate([s.across.reshape(2, -1, 3) for s in surfaces], axis=1),
@@ -204,12 +207,13 @@ def _owners(surfaces: Sequence[Panels], components: Sequence[int], others: int) 
 
 
 def ring_velocities(
-    points, surfaces: Sequence[Panels], beta, owners: Owners | None = None
+    points, surfaces: Sequence[Panels], beta, owners: Owners | None = None, wake: Array | None = None
 ) -> tuple[Float[Array, "p 3 n"], Float[Array, "p 3 n"]]:
     """Velocity vectors at ``points`` per unit ring circulation: of the starboard half, and of its mirror image.
 
     The image of a half is the mirrored velocity at the mirrored point, so one call of the kernel gives both.
-    With ``owners`` vortices have a core at the points of other components.
+    With ``owners`` vortices have a core at the points of other components; ``wake`` is the unit vector along the
+    wake lines in stretched coordinates, in the plane of symmetry.
     """
     count, mirror = points.shape[0], jnp.asarray(MIRROR)
     p = jnp.concatenate([points, points * mirror]) * _stretch(beta)
@@ -219,7 +223,7 @@ def ring_velocities(
     if owners is not None:
         strange = [np.tile((owners.points != c) & (owners.points >= 0), 2) for c in owners.surfaces]
     pairs = zip(surfaces, strange, strict=True)
-    both = jnp.concatenate([_rings(*_project(weights, p, s, beta, other)) for s, other in pairs], axis=-1)
+    both = jnp.concatenate([_rings(*_project(weights, p, s, beta, other, wake)) for s, other in pairs], axis=-1)
     return jnp.moveaxis(both[:, :count], 0, 1), jnp.moveaxis(both[:, count:] * mirror[:, None, None], 0, 1)
 
 
@@ -233,15 +237,30 @@ def _stack(surfaces, name):
     return jnp.concatenate([getattr(s, name).reshape(-1, 3) for s in surfaces])
 
 
-def _project(weights, p, surface, beta, strange: np.ndarray | None) -> tuple[Array, ...]:
+def _direction(angle, beta):
+    """Unit vector along the wake lines in stretched coordinates, None for the x axis."""
+    if angle is None:
+        return None
+    line = jnp.stack([jnp.cos(angle), jnp.zeros_like(angle), jnp.sin(angle)]) * _stretch(beta)
+    return line / jnp.linalg.norm(line)
+
+
+def _trace(nodes: Float[Array, "t 3"], angle) -> Float[Array, "t 2"]:
+    """Places of trailing nodes in a plane across the wake."""
+    if angle is None:
+        return nodes[:, 1:]
+    return jnp.stack([nodes[:, 1], nodes[:, 2] * jnp.cos(angle) - nodes[:, 0] * jnp.sin(angle)], axis=-1)
+
+
+def _project(weights, p, surface, beta, strange: np.ndarray | None, wake) -> tuple[Array, ...]:
     """Kernel times arm for the three families of filaments of one surface, directions first."""
     rings = surface.rings * _stretch(beta)
-    k: Filaments = kernels(p, rings)
+    k: Filaments = kernels(p, rings, wake)
     if strange is not None and strange.any():
         k = jax.tree.map(
             lambda one, f: jnp.where(strange.reshape(-1, *[1] * (one.ndim - 1)), f * one, one), k, _cores(p, rings)
         )
-    a: Arms = arms(rings)
+    a: Arms = arms(rings, wake)
     return tuple(ki * jnp.tensordot(weights, ai, axes=([-1], [-1])) for ki, ai in zip(k, a, strict=True))
 
 

@@ -26,7 +26,7 @@ def filament_strengths(plan: Layout, gamma: Float[Array, " n"], odd: Array | Non
     padded = jnp.append(gamma, 0.0)
     strength = padded[plan.plus] - padded[plan.minus]
     strength = strength if odd is None else strength.at[plan.root].add(-odd[plan.root_ring])
-    return plan.loaded * strength
+    return strength * jnp.asarray(plan.loaded)
 
 
 def filament_forces(lattice: Lattice, strength: Float[Array, " e"], velocity: Float[Array, "e 3"]):

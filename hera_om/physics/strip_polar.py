@@ -250,6 +250,10 @@ def strip_states(
     Returns:
         StripState of all strips.
     """
+    if all(isinstance(p, StripPolar) for p in polars):  # one pass for all strips
+        rows = [[jnp.full(n, value) for value in p] for p, n in zip(polars, counts, strict=True)]
+        every = StripPolar(*(jnp.concatenate(column) for column in zip(*rows, strict=True)))
+        return strip_state(every, cl, reynolds, mach=mach)
     ends = np.cumsum([0, *counts])
     parts = [
         strip_state(p, cl[a:b], reynolds[a:b], mach=mach)

@@ -40,8 +40,10 @@ class Arms(NamedTuple):
     wake: Float[Array, "ns1 6"]
 
 
-def kernels(points: Float[Array, "p 3"], rings: Float[Array, "nc1 ns1 3"]) -> Filaments:
-    """Scalar kernels of every filament at every point, 1/m^2 per unit arm."""
+def kernels(
+    points: Float[Array, "p 3"], rings: Float[Array, "nc1 ns1 3"], wake: Float[Array, " 3"] | None = None
+) -> Filaments:
+    """Scalar kernels of every filament at every point, 1/m^2 per unit arm; ``wake``: unit vector along it, else x."""
     nodes = rings.reshape(-1, 3)
     square = _squares(points, nodes)
     shape = (points.shape[0], *rings.shape[:2])
@@ -55,14 +57,14 @@ def kernels(points: Float[Array, "p 3"], rings: Float[Array, "nc1 ns1 3"]) -> Fi
         _lengths(rings[:-1, :-1], rings[:-1, 1:]),
     )
     chordwise = segment(r[:, :-1], r[:, 1:], r2[:, :-1], r2[:, 1:], _lengths(rings[:-1], rings[1:]))
-    return Filaments(bound, chordwise, _half_lines(points, rings[-1], r[:, -1]))
+    return Filaments(bound, chordwise, _half_lines(points, rings[-1], r[:, -1], wake))
 
 
-def arms(rings: Float[Array, "nc1 ns1 3"]) -> Arms:
-    """Arms of the three families of filaments."""
-    a, b = rings[-1], jnp.asarray([1.0, 0.0, 0.0])
-    wake = jnp.concatenate([jnp.broadcast_to(-b, a.shape), jnp.cross(a, b)], axis=-1)
-    return Arms(_arm(rings[:-1, :-1], rings[:-1, 1:]), _arm(rings[:-1], rings[1:]), wake)
+def arms(rings: Float[Array, "nc1 ns1 3"], wake: Float[Array, " 3"] | None = None) -> Arms:
+    """Arms of the three families of filaments; ``wake`` as in `kernels`."""
+    a, b = rings[-1], jnp.asarray([1.0, 0.0, 0.0]) if wake is None else wake
+    lines = jnp.concatenate([jnp.broadcast_to(-b, a.shape), jnp.cross(a, b)], axis=-1)
+    return Arms(_arm(rings[:-1, :-1], rings[:-1, 1:]), _arm(rings[:-1], rings[1:]), lines)
 
 
 def _squares(points, nodes):
@@ -112,10 +114,13 @@ def half_line(x: Array, h2: Array, r: Array) -> Array:
     return jnp.where(behind, (r + x) / (r * (h2 + WAKE_CORE**2)), 1.0 / ahead) / FOUR_PI
 
 
-def _half_lines(points, starts, r):
+def _half_lines(points, starts, r, wake):
     """Kernels of the wake lines."""
     d = points[:, None, :] - starts[None, :, :]
-    return half_line(d[..., 0], d[..., 1] ** 2 + d[..., 2] ** 2, r)
+    if wake is None:
+        return half_line(d[..., 0], d[..., 1] ** 2 + d[..., 2] ** 2, r)
+    x = d @ wake
+    return half_line(x, jnp.sum((d - x[..., None] * wake) ** 2, axis=-1), r)
 
 
 def _arm(a, b):

@@ -42,7 +42,7 @@ def analyze(aircraft: Aircraft) -> dict[str, Any]:
     except om.AnalysisError as error:
         raise AnalysisFailure(str(error), where="analyze") from error
     values, units = collect(problem)
-    if aircraft.wing is not None and "x_np" not in values:
+    if "x_np" not in values and values.get("CZ_alpha") and (aircraft.wing is not None or aircraft.surface):
         chord = reference(aircraft)[1]
         values["x_np"] = values["x_cg"] - float(chord) * values["Cm_alpha"] / values["CZ_alpha"]
         units["x_np"] = "m"

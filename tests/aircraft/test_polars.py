@@ -8,7 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hera_om.aircraft.polars import NeuralFoil, PolarTable, load_polar_tables, neuralfoil_table, polar_arrays
+from hera_om.aircraft.polar_data import neuralfoil_table, polar_arrays
+from hera_om.aircraft.polars import NeuralFoil, PolarTable, load_polar_tables
 from hera_om.core.errors import InputError
 
 HEAD = "alpha_deg,reynolds,mach,cl,cd"

@@ -465,3 +465,28 @@ def test_drag_in_roll_is_that_of_both_symmetries():
     plain = result_at(x._replace(delta=jnp.zeros(3)), surfaces, None, small_flow(), small_body(), model=model)
     near, far = (float(found.drag[k] - plain.drag[k]) for k in (1, 0))
     assert far > 1e-4 and near == pytest.approx(far, rel=0.05)
+
+
+def test_derivatives_with_a_wake_along_the_stream():
+    """The matrix then depends on incidence: its derivative is in every one by alpha, at first and second order."""
+    surfaces, flow, body = small_aircraft(), small_flow(), small_body()
+    model = Model((ROOTED,) * 2, 1, stream_wake=True)
+
+    @jax.jit
+    def found(alpha):
+        at = Setting(make_system(surfaces, None, None, flow.mach, model, alpha=alpha), None, flow, body.c, body.b)
+        x = controls(**STATE)._replace(alpha=alpha)
+        result = evaluate(jnp.zeros(0), x, surfaces, at=at, plan=None, body=body, model=model)
+        return jnp.stack(result.total), jnp.stack([row[0] for row in result.derivatives])
+
+    alpha = jnp.asarray(STATE["alpha"])
+
+    def by_differences(k):
+        wide, narrow = ((found(alpha + h)[k] - found(alpha - h)[k]) / (2 * h) for h in (2e-3, 1e-3))
+        return np.asarray((4 * narrow - wide) / 3)
+
+    np.testing.assert_allclose(found(alpha)[1], by_differences(0), atol=1e-7)
+    np.testing.assert_allclose(jax.jit(jax.jacfwd(found))(alpha)[1], by_differences(1), atol=1e-6)
+    straight = unpowered()
+    change = np.asarray(found(alpha)[0]) - np.asarray(jnp.stack(straight.total))
+    assert 1e-5 < abs(change[4]) < 0.05  # the tail leaves the sheet less far than with a wake along x
