@@ -113,7 +113,7 @@ class Aerodynamics(JaxComponent):
         if self.states_only:
             self._balances(partials, kept)
             return
-        _, _, by_system, by_input = _stages()
+        _, _, by_system, by_input = _stages(self.statics.model.lateral)
         names = tuple(sorted(self._var_rel_names["output"]))
         fixed = self._fixed_names()
         moving = tuple(n for n in sorted(values) if n not in fixed)
@@ -153,7 +153,7 @@ class Aerodynamics(JaxComponent):
 
     def _state(self, values: Values) -> "State":
         """The state at these inputs: evaluated, or kept from the last few calls of any instance."""
-        assemble, state, _, _ = _stages()
+        assemble, state, _, _ = _stages(self.statics.model.lateral)
         static, key = self._static(), self._system_key(values)
         system = _keep(_systems, key, lambda: assemble(*static, self.base, self.constants, values))
         at = (*key, tuple((n, float(v)) for n, v in sorted(values.items())))
@@ -404,9 +404,16 @@ def _wing_outputs(system: System, result: AeroResult, flow) -> Values:
     }
 
 
-@lru_cache(maxsize=1)
-def _stages():
-    """Compiled once a process: assembly, state, tangents of the assembly, and the Jacobian by all inputs."""
+QUICK = {"xla_backend_optimization_level": 0}
+"""The state stage with both halves serves single conditions: compiling it fast is worth more than running it fast."""
+
+
+@lru_cache(maxsize=2)
+def _stages(once: bool):
+    """Compiled once a process: assembly, state, tangents of the assembly, and the Jacobian by all inputs.
+
+    ``once``: for conditions that are analysed one by one, see `QUICK`.
+    """
 
     def definition(structure: Structure, paths, base, inputs):
         return structure.aircraft(base, {path: inputs[name] for name, path in paths})
@@ -467,7 +474,7 @@ def _stages():
     static = (0, 1, 2)
     return (
         jax.jit(assemble, static_argnums=static),
-        jax.jit(state, static_argnums=static),
+        jax.jit(state, static_argnums=static, compiler_options=QUICK if once else None),
         jax.jit(by_system, static_argnums=(*static, 3)),
         jax.jit(by_input, static_argnums=(*static, 3, 4, 5)),
     )

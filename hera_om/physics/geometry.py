@@ -123,27 +123,21 @@ def cut(span: tuple[np.ndarray, np.ndarray], airfoils, nc: int, law: float) -> G
 
 
 def surface_mesh(sections: Sections, grid: Grid, shape: str = CAMBER) -> Float[Array, "nc1 ns1 3"]:
-    """Corner points of the panels, on the ruled surface that straight lines from section to section make.
+    """Corner points of the panels; places, chord, incidence and camber are linear from section to section.
 
     ``camber``: the points lie on the twisted camber surface, each section turned about its quarter chord.
     ``flat``: they lie on the untwisted chord surface, as in AVL, where camber and twist turn the normals.
     """
-    x_le, y, z, chord, _ = (grid.weights @ s for s in sections)
-    share = (grid.xi - QUARTER)[:, None]
+    x_le, y, z, chord, twist = (grid.weights @ s for s in sections)
+    ahead = (grid.xi[:, None] - QUARTER) * chord
     if shape == FLAT:
-        dx, dz = share * chord, jnp.zeros((grid.xi.shape[0], chord.shape[0]))
+        dx, dz = ahead, jnp.zeros_like(ahead)
     else:
-        along, down = _turned(sections, grid.weights)
-        bulge = jnp.asarray(grid.camber) * sections.chord[:, None]
-        dx = share * along + (grid.weights @ (bulge * jnp.sin(sections.twist)[:, None])).T
-        dz = (grid.weights @ (bulge * jnp.cos(sections.twist)[:, None])).T - share * down
+        height = (grid.weights @ grid.camber).T * chord
+        dx = ahead * jnp.cos(twist) + height * jnp.sin(twist)
+        dz = height * jnp.cos(twist) - ahead * jnp.sin(twist)
     x = x_le + QUARTER * chord + dx
     return jnp.stack([x, jnp.broadcast_to(y, x.shape), z + dz], axis=-1)
-
-
-def _turned(sections: Sections, weights) -> tuple[Array, Array]:
-    """Chord times cosine and chord times sine of the incidence between the sections: both are linear there."""
-    return weights @ (sections.chord * jnp.cos(sections.twist)), weights @ (sections.chord * jnp.sin(sections.twist))
 
 
 def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
@@ -160,7 +154,7 @@ def make_panels(sections: Sections, grid: Grid, shape: str = CAMBER) -> Panels:
     across = _strip_directions(rings)
     bound, behind = rings[:-1, 1:] - rings[:-1, :-1], rear[:, 1:] - rear[:, :-1]
     lines = bound if shape == FLAT else behind  # AVL's normals stand on the bound filament
-    normal = _normals(sections, grid, across, lines)
+    normal = _normals(sections, grid, across, lines, ruled=shape == FLAT)
     middle = jnp.asarray(grid.middle)
     x_le, y, z, chord, _ = (jnp.asarray(grid.weights) @ s for s in sections)
     edges = jnp.stack([x_le + QUARTER * chord, y, z], axis=-1)
@@ -189,17 +183,22 @@ def _strip_directions(rings):
     return d / jnp.linalg.norm(d, axis=-1, keepdims=True)
 
 
-def _normals(sections, grid, across, lines):
+def _normals(sections, grid, across, lines, *, ruled: bool):
     """Unit normals at the collocation points, across the camber line and the spanwise ``lines``.
 
     The slope is that of the camber line at the point: with the mean slope of the panel the camber's lift
-    would converge at first order only.
+    would converge at first order only. ``ruled``: straight lines join the sections, as in AVL (its MAKESURF): chord
+    times sine and chord times cosine of the incidence are linear, and chord times slope.
     """
     middle = between(grid.weights[:-1], grid.weights[1:], grid.middle)
-    along, down = _turned(sections, middle)
-    slope = (middle @ (jnp.asarray(grid.slope) * sections.chord[:, None])).T / (middle @ sections.chord)
-    angle = jnp.arctan2(down, along) - jnp.arctan(slope)
+    if ruled:
+        chord = sections.chord
+        twist = jnp.arctan2(middle @ (chord * jnp.sin(sections.twist)), middle @ (chord * jnp.cos(sections.twist)))
+        slope = (middle @ (jnp.asarray(grid.slope) * chord[:, None])).T / (middle @ chord)
+    else:
+        twist, slope = middle @ sections.twist, (middle @ grid.slope).T
+    angle = twist - jnp.arctan(slope)
     up = jnp.stack([jnp.zeros_like(across[:, 0]), -across[:, 2], across[:, 1]], axis=-1)
-    tangent = jnp.cos(angle)[..., None] * jnp.asarray([1.0, 0.0, 0.0]) - jnp.sin(angle)[..., None] * up
-    normal = jnp.cross(tangent, lines)
+    along = jnp.cos(angle)[..., None] * jnp.asarray([1.0, 0.0, 0.0]) - jnp.sin(angle)[..., None] * up
+    normal = jnp.cross(along, lines)
     return normal / jnp.linalg.norm(normal, axis=-1, keepdims=True)

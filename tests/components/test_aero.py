@@ -148,13 +148,13 @@ def test_rotor_alone_is_the_reference_propeller(reference, ready):
 
 
 def test_wing_and_tail_are_those_of_avl(ready):
-    """AVL on the same geometry at 2 degrees: see the head of the definition."""
+    """AVL on the same lattice at 2 degrees: see the head of the definition."""
     problem, _ = ready(Aerodynamics(aircraft=load_aircraft("wing_tail")))
     found = {n: problem.get_val(n).item() for n in ("CL", "CDi", "Cm", "CL_alpha")}
-    assert found["CL"] == pytest.approx(0.343127, rel=0.01)
-    assert found["CDi"] == pytest.approx(0.003148, rel=0.03)
-    assert found["Cm"] == pytest.approx(-0.141830, abs=0.005)
-    assert found["CL_alpha"] == pytest.approx(5.780533, rel=0.01)
+    assert found["CL"] == pytest.approx(0.343127, rel=1e-4)
+    assert found["CDi"] == pytest.approx(0.003148, rel=1e-3)
+    assert found["Cm"] == pytest.approx(-0.141830, rel=1e-3)
+    assert found["CL_alpha"] == pytest.approx(5.780533, rel=1e-4)
 
 
 # --- failures
