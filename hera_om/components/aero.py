@@ -27,6 +27,7 @@ from hera_om.physics.coupling import (
     make_system,
     split_factors,
 )
+from hera_om.physics.layout import SINGLE
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
@@ -256,8 +257,8 @@ class AeroPlan:
 
     @property
     def by(self) -> tuple[str, ...]:
-        """What coefficients are differentiated by."""
-        return (*self.columns, "alphadot")
+        """What coefficients are differentiated by; by alpha-dot where all surfaces have their image."""
+        return self.columns if SINGLE in self.model.kinds else (*self.columns, "alphadot")
 
 
 _TEXTS: dict[str, dict[str, Any]] = {
@@ -333,7 +334,8 @@ def _coefficients(statics: AeroPlan, result: AeroResult) -> Values:
     for name in statics.coefficients:
         row = getattr(result.derivatives, name)
         out |= {f"{name}_{by}": row[i] for i, by in enumerate(statics.columns)}
-        out[f"{name}_alphadot"] = getattr(result.alphadot, name)
+        if "alphadot" in statics.by:
+            out[f"{name}_alphadot"] = getattr(result.alphadot, name)
     return out
 
 

@@ -336,9 +336,9 @@ def _hub_loads(rotors, plan, loads: RotorSolution, flow: Flow):
 
 
 def _alphadot(local, x: Controls, answer: Response, gamma_alpha, panels, *, at: Setting, body: Body, lay: Layout):
-    """Derivatives by alphadot c / 2V in pure plunging, see `unsteady_lattice.plunge_rate`."""
+    """Derivatives by alphadot c / 2V in pure plunging, see `unsteady_lattice.plunge_rate`; zero without its half."""
     lattice, zero = at.system.lattice, jnp.zeros(())
-    if lattice is None:
+    if lattice is None or lattice.whole is not None:
         return Coefficients(*[zero] * 8)
     gamma, slope = (both_parts(list(v))[0] for v in (answer.gamma, gamma_alpha))
     velocity = local + lattice.even.velocity @ gamma

@@ -139,13 +139,14 @@ def test_commands_and_their_limits():
 def test_wing_and_tails_in_the_one_form_are_those_of_the_reference(reference):
     """Sections that the ATR-like case states for AVL, against our tail by area, aspect ratio and taper."""
     source = tomllib.loads((reference / "atr_like" / "wing_tail.toml").read_text("utf-8"))
-    wing, tail = lifting_surfaces(load_aircraft("wing_tail"))
-    for surface, table in ((wing, "wing"), (tail, "htp")):
-        rows = source[table]["sections"]
+    wing, tail, fin = lifting_surfaces(load_aircraft("wing_tail"))
+    for surface, table in ((wing, "wing"), (tail, "htp"), (fin, "vtp")):
+        rows = np.array(source[table]["sections"])
+        if table == "wing":  # with sections at the ends of the aileron, on the straight lines between the others
+            rows = np.stack([np.interp(surface.y, rows[:, 0], column) for column in rows.T], axis=1)
         places = zip(surface.x_le, surface.z, surface.chord, surface.twist_deg, strict=True)
         got = [[y, x, z, c, t] for y, (x, z, c, t) in zip(surface.y, places, strict=True)]
-        expected = rows
-        np.testing.assert_allclose(got, expected, atol=1e-6)
+        np.testing.assert_allclose(got, rows, atol=1e-6)
     assert tail.controls[0].hinge == (0.65, 0.65) and tail.controls[0].gain == (1.0, 1.0)
 
 

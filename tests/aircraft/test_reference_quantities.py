@@ -69,8 +69,8 @@ def test_sweep_and_absolute_places_describe_the_same_wing():
             {"wing.section.root.y_m": 4.73375},
         ).wing
     )
-    assert by_angles[1].x == pytest.approx(wing_sections(absolute.wing)[2].x, abs=1e-9)
-    assert by_angles[1].z == pytest.approx(wing_sections(absolute.wing)[2].z, abs=2e-6)
+    assert by_angles[1].x == pytest.approx(wing_sections(absolute.wing)[-1].x, abs=1e-9)
+    assert by_angles[1].z == pytest.approx(wing_sections(absolute.wing)[-1].z, abs=2e-6)
     assert math.degrees(math.atan((0.705161 - chord) / dy)) == pytest.approx(3.0, abs=1e-4)
 
 

@@ -18,8 +18,7 @@ DIGITS = 2e-4  # relative: the table has six digits, some of small numbers
 SMALL = 2e-7  # half a unit of the last digit of control derivatives per degree, four times
 
 
-@pytest.fixture(scope="module")
-def problem(reference):
+def build(reference):
     """The ATR-like wing, tail and fin of the file, in both halves."""
     with pytest.warns(UserWarning, match="rudder"):
         aircraft = read_avl(reference / "atr_like" / "wing_tail.avl")
@@ -27,6 +26,11 @@ def problem(reference):
     built.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft, lateral=True), promotes=["*"])
     built.setup()
     return built
+
+
+@pytest.fixture(scope="module")
+def problem(reference):
+    return build(reference)
 
 
 def ours(problem, mach, alpha):

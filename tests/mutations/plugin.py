@@ -43,17 +43,33 @@ def _without_alphadot(old):
 
 
 def _frozen(old):
-    def mean_slipstreams(rotors, plan, wake, *points):
-        return old(rotors, plan, lax.stop_gradient(wake), *points)
+    def mean_slipstreams(rotors, plan, wake, *points, **how):
+        return old(rotors, plan, lax.stop_gradient(wake), *points, **how)
 
     return mean_slipstreams
 
 
 def _mirrored_swirl(old):
-    def mean_slipstreams(rotors, plan, wake, *points):
-        return old(rotors, plan, wake._replace(swirl=-wake.swirl), *points)
+    def mean_slipstreams(rotors, plan, wake, *points, **how):
+        return old(rotors, plan, wake._replace(swirl=-wake.swirl), *points, **how)
 
     return mean_slipstreams
+
+
+def _without_image(old):
+    def ring_velocities(*args):
+        own, image = old(*args)
+        return own, jnp.zeros_like(image)
+
+    return ring_velocities
+
+
+def _unswept(old):
+    def axes(*args):
+        line = old(*args) * jnp.array([0.0, 1.0, 1.0])
+        return line / jnp.linalg.norm(line, axis=-1, keepdims=True)
+
+    return axes
 
 
 def _no_loss(old):
@@ -116,10 +132,66 @@ MUTATIONS = {
         BLOWN + "test_avl_wing_and_tail[base_m04]",
     ),
     "alphadot_zero": Mutation(
-        "lag of the downwash at the tail",
-        ("aerodynamics:DOWNWASH_LAG",),
+        "lag of the wake in alpha-dot",
+        ("unsteady_lattice:WAKE_LAG",),
         0.0,
-        BLOWN + "test_alphadot_by_the_classical_lag_of_downwash",
+        BLOWN + "test_alphadot_holds_the_classical_lag_of_downwash",
+    ),
+    "wake_lag_off": Mutation(
+        "lag of the wake at any frequency",
+        ("unsteady_lattice:WAKE_LAG",),
+        0.0,
+        PHYSICS + "test_unsteady_lattice.py::test_theodorsen_function",
+    ),
+    "apparent_mass_off": Mutation(
+        "apparent mass",
+        ("unsteady_lattice:APPARENT_MASS",),
+        0.0,
+        PHYSICS + "test_unsteady_lattice.py::test_theodorsen_function",
+    ),
+    "compressible_phase_off": Mutation(
+        "phase of compressible waves in unsteady flow",
+        ("unsteady_lattice:COMPRESSIBLE_PHASE",),
+        0.0,
+        PHYSICS + "test_unsteady_lattice.py::test_low_frequency_wash_is_that_of_acoustic_doublets",
+    ),
+    "cores_off": Mutation(
+        "cores of vortices between components, against AVL",
+        ("lattice:CORE_WIDTHS",),
+        1e-6,
+        "tests/components/test_avl_case.py::test_every_number_of_avl",
+    ),
+    "prandtl_glauert_off_avl_file": Mutation(
+        "compressibility, against AVL from its own file",
+        ("lattice:prandtl_glauert",),
+        jnp.ones_like,
+        "tests/components/test_avl_case.py::test_every_number_of_avl",
+    ),
+    "image_off": Mutation(
+        "mirror image of the other half",
+        ("lattice:ring_velocities",),
+        _without_image,
+        BLOWN + "test_avl_wing_and_tail[base_m04]",
+        True,
+    ),
+    "hinge_sweep_off": Mutation(
+        "sweep of the hinge line",
+        ("controls:_axes",),
+        _unswept,
+        "tests/components/test_avl_case.py::test_every_number_of_avl",
+        True,
+    ),
+    "body_shield_off": Mutation(
+        "shield of the fuselage",
+        ("slender_body:SHIELD",),
+        0.0,
+        PHYSICS + "test_slender_body.py::test_no_flow_inside_and_nothing_off_the_body",
+    ),
+    "body_upwash_off": Mutation(
+        "upwash of the fuselage",
+        ("slender_body:UPWASH",),
+        0.0,
+        PHYSICS + "test_slender_body.py::test_upwash_of_a_cylinder",
     ),
     "modes_without_alphadot": Mutation(
         "alpha-dot terms in the equations of motion",
