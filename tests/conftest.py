@@ -17,6 +17,7 @@ os.environ["OPENMDAO_WORKDIR"] = _workdir
 os.environ["OPENMDAO_REPORTS"] = "0"
 os.environ["MPLBACKEND"] = "Agg"
 os.environ["JAX_PLATFORMS"] = "cpu"
+os.environ["JAX_ENABLE_X64"] = "1"  # tests that import jax before anything of ours, too
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

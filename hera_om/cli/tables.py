@@ -114,6 +114,7 @@ def _analysis(values: Result, units: Mapping[str, Any]) -> list[str]:
     return [
         _quantities("Condition", inputs, values, units),
         _quantities("Forces and moments", _FORCES, values, units),
+        _stall(values),
         _drag(values),
         _derivatives(values),
         _rotors(values, units),
@@ -127,6 +128,17 @@ def _quantities(title: str, names: Iterable[str], values: Result, units: Mapping
     """Scalars by name with their units."""
     rows = [(n, values[n], _unit(n, units)) for n in names if n in values and _is_scalar(values[n])]
     return _section(title, rows)
+
+
+def _stall(values: Result) -> str:
+    """A warning where section lift has left its polar."""
+    margin = values.get("lift_margin")
+    if not isinstance(margin, float) or margin >= 0.0:
+        return ""
+    where = ""
+    if "stall_y" in values:
+        where = f" at y = {values['stall_y']:.2f} m of lifting surface {values['stall_surface']:.0f}"
+    return f"STALLED: section lift{where} is {-margin:.2f} beyond its polar; the lattice goes on as if it were attached"
 
 
 def _drag(values: Result) -> str:
@@ -263,11 +275,15 @@ def _is_figure(text: str) -> bool:
     return bool(re.match(r"[-+]?\d", text))
 
 
+ROUNDING = 1e-13
+"""What symmetry leaves of a number that is zero; tables show nothing smaller."""
+
+
 def _figure(value: Any, digits: int = 6) -> str:
     """A number with so many digits; a dash where there is none."""
     if value is None or not isinstance(value, int | float) or isinstance(value, bool):
         return "-"
-    return f"{value:.{digits}g}"
+    return "0" if abs(value) < ROUNDING else f"{value:.{digits}g}"
 
 
 def _cell(value: Any) -> str:
