@@ -140,7 +140,7 @@ def make_system(
 
 def turned(at: Setting, x: Controls) -> Setting:
     """The setting with its wake turned to the stream: no change of values, but of derivatives by incidence."""
-    if at.system.turn is None:
+    if at.system.turn is None or at.system.wake_angle is None:
         return at
     bare, factors = split_factors(at.system._replace(turn=None, wake_angle=None))
     step = x.alpha - at.system.wake_angle
