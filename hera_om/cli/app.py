@@ -19,8 +19,9 @@ from hera_om.cli.output import (
     stdout_to_stderr,
 )
 from hera_om.cli.parser import build_parser
+from hera_om.core.programs import keep
 
-GARBAGE_EVERY = 1000000
+GARBAGE_EVERY = 1_000_000  # new objects
 
 
 def run() -> int:
@@ -30,6 +31,7 @@ def run() -> int:
     the time of a short command, and at the end once more.
     """
     gc.set_threshold(GARBAGE_EVERY)
+    keep()
     status = main()
     gc.freeze()
     return status

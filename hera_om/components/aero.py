@@ -14,6 +14,7 @@ from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
+from hera_om.core.programs import program
 from hera_om.physics.aero_cases import Body
 from hera_om.physics.aerodynamics import AeroResult, evaluate
 from hera_om.physics.coupling import (
@@ -208,6 +209,10 @@ class AeroPlan:
     def __eq__(self, other: object) -> bool:
         """Equal statics."""
         return isinstance(other, AeroPlan) and self._key() == other._key()
+
+    def __repr__(self) -> str:
+        """All of the statics, see `core.programs`."""
+        return f"AeroPlan{self._key()}"
 
     def outputs(self, aircraft) -> dict[str, tuple[int, ...]]:
         """Names and shapes of the outputs."""
@@ -475,8 +480,8 @@ def _stages(once: bool):
 
     static = (0, 1, 2)
     return (
-        jax.jit(assemble, static_argnums=static),
-        jax.jit(state, static_argnums=static, compiler_options=QUICK if once else None),
+        program(assemble, 3) if once else jax.jit(assemble, static_argnums=static),
+        program(state, 3, QUICK) if once else jax.jit(state, static_argnums=static),
         jax.jit(by_system, static_argnums=(*static, 3)),
         jax.jit(by_input, static_argnums=(*static, 3, 4, 5)),
     )

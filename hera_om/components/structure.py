@@ -26,6 +26,10 @@ class Structure:
         """Equal structures, whatever the numbers."""
         return isinstance(other, Structure) and self._hash == other._hash and self.blank == other.blank
 
+    def __repr__(self) -> str:
+        """All of the structure, see `core.programs`."""
+        return f"Structure({self.blank!r})"
+
     def aircraft(self, base, changes: Mapping[str, Any]) -> Aircraft:
         """The definition with ``base`` as its numbers, some replaced by path; traced values are welcome."""
         values = list(jnp.asarray(base))
