@@ -10,8 +10,8 @@ import numpy as np
 import openmdao.api as om
 from jax.flatten_util import ravel_pytree
 
-from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.components import arrays
+from hera_om.components.aero_plan import COEFFICIENTS, TEXTS, AeroPlan
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
 from hera_om.core.programs import program
@@ -28,12 +28,9 @@ from hera_om.physics.coupling import (
     make_system,
     split_factors,
 )
-from hera_om.physics.layout import SINGLE
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
-COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
-LATERAL = ("CY", "Cl", "Cn")
 # What the factorised system reads, beside the disks and the Mach number.
 GEOMETRY = ("wing", "htail", "vtail", "surface", "fuselage", "lattice")
 
@@ -92,7 +89,7 @@ class Aerodynamics(JaxComponent):
             self.add(name, val=value)
         self.add("load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat")
         for name, shape in self.statics.outputs(aircraft).items():
-            self.add(name, shape=shape, **_TEXTS.get(name, {}))
+            self.add(name, shape=shape, **TEXTS.get(name, {}))
 
     def compute(self, inputs, outputs) -> None:
         """Assemble if geometry or Mach number have moved, then evaluate the state."""
@@ -188,103 +185,6 @@ def _keep(store: OrderedDict, key, make):
             store.popitem(last=False)
     store.move_to_end(key)
     return store[key]
-
-
-class AeroPlan:
-    """Hashable statics of the aerodynamics of an aircraft."""
-
-    def __init__(self, aircraft, lateral: bool = False) -> None:
-        self.rotors = arrays.plan(aircraft)
-        self.groups = tuple(r.name for r in aircraft.rotor)
-        self.commands = arrays.model_commands(aircraft, lateral)
-        self.model = arrays.model(aircraft, lateral)
-
-    def _key(self):
-        return self.rotors, self.groups, self.commands, self.model
-
-    def __hash__(self) -> int:
-        """Hash of the statics."""
-        return hash(self._key())
-
-    def __eq__(self, other: object) -> bool:
-        """Equal statics."""
-        return isinstance(other, AeroPlan) and self._key() == other._key()
-
-    def __repr__(self) -> str:
-        """All of the statics, see `core.programs`."""
-        return f"AeroPlan{self._key()}"
-
-    def outputs(self, aircraft) -> dict[str, tuple[int, ...]]:
-        """Names and shapes of the outputs."""
-        scalars = [
-            *COEFFICIENTS,
-            "L_over_D",
-            "CDi",
-            "CDi_near",
-            "CD_slipstream",
-            "CD_profile",
-            "CD_fuselage",
-            "CD_areas",
-        ]
-        if self.model.kinds:
-            scalars += ["lift_margin", "lift_margin_smooth"]
-            scalars += ["stall_surface", "stall_y"] if self.model.lateral else []
-        scalars += ["dynamic_pressure", "q_S", "speed", "density", "coupling_residual"]
-        scalars += LATERAL if self.model.lateral else ()
-        scalars += [f"{c}_{by}" for c in self.coefficients for by in self.by]
-        out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
-        if self.groups:
-            out |= {name: (1,) for name in ("thrust", "power")}
-            families = ("thrust", "power", "CT", "CP", "eta")
-            out |= {f"{f}_{g}": (1,) for g in self.groups for f in families}
-            m = sum(len(self.members(i)) for i in range(len(self.groups)))
-            out |= {"rotor_hub": (m, 3), "rotor_force": (m, 3), "rotor_moment": (m, 3)}
-        if aircraft.wing is not None:
-            ns = lifting_surfaces(aircraft)[0].spanwise
-            out |= {"cl_span": (ns,), "y_span": (ns,), "strip_edge": (ns + 1,), "strip_point": (ns, 3)}
-            out |= {"strip_force": (ns, 3), "strip_moment": (ns, 3)}
-        return out
-
-    def members(self, group: int) -> list[int]:
-        """Indices of the rotors of a group."""
-        return [] if self.rotors is None else [k for k, g in enumerate(self.rotors.groups) if g == group]
-
-    @property
-    def coefficients(self) -> tuple[str, ...]:
-        """The coefficients of the model."""
-        return COEFFICIENTS + LATERAL if self.model.lateral else COEFFICIENTS
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """Names of the state, in the order of `aerodynamics.AeroResult`: rates without their hats."""
-        slip = ("beta", "p", "r") if self.model.lateral else ()
-        return ("alpha", "q", *self.commands, *(f"theta_{g}" for g in self.groups), *slip)
-
-    @property
-    def by(self) -> tuple[str, ...]:
-        """What coefficients are differentiated by; by alpha-dot where all surfaces have their image."""
-        return self.columns if SINGLE in self.model.kinds else (*self.columns, "alphadot")
-
-
-_TEXTS: dict[str, dict[str, Any]] = {
-    "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
-    "lift_margin_smooth": {"desc": "smooth minimum of the same, never above it: for constraints"},
-    "stall_surface": {"desc": "index of the lifting surface with the least margin, the wing being 0"},
-    "stall_y": {"units": "m", "desc": "where on it that strip stands"},
-    "coupling_residual": {"desc": "residual of the coupling of lattice and rotors over the flight speed"},
-    "dynamic_pressure": {"units": "Pa", "desc": "dynamic pressure of the free stream"},
-    "q_S": {"units": "N", "desc": "dynamic pressure times reference area"},
-    "speed": {"units": "m/s", "desc": "true airspeed"},
-    "density": {"units": "kg/m**3", "desc": "density of the air"},
-    "rotor_hub": {"units": "m", "desc": "hubs of the starboard rotors, inner first within a group"},
-    "rotor_force": {"units": "N", "desc": "force of each starboard rotor on the aircraft, geometry axes"},
-    "rotor_moment": {"units": "N*m", "desc": "moment of each starboard rotor about its hub, geometry axes"},
-    "y_span": {"units": "m", "desc": "middles of the wing's strips"},
-    "strip_edge": {"units": "m", "desc": "y of the edges of the wing's strips"},
-    "strip_point": {"units": "m", "desc": "quarter-chord points of the wing's strips"},
-    "strip_force": {"units": "N", "desc": "force on each strip of the starboard wing, geometry axes"},
-    "strip_moment": {"units": "N*m", "desc": "moment on each strip about its point, geometry axes"},
-}
 
 
 def _system(aircraft, statics: AeroPlan, constants, inputs: Values) -> System:

@@ -8,7 +8,8 @@ import numpy as np
 import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
-from hera_om.components.aero import COEFFICIENTS, Aerodynamics
+from hera_om.components.aero import Aerodynamics
+from hera_om.components.aero_plan import COEFFICIENTS
 from hera_om.components.arrays import flow, reference
 from hera_om.physics.performance import pull_up_rate
 from hera_om.surrogates import SurrogateSet, outside, predict

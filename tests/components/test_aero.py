@@ -8,7 +8,8 @@ import pytest
 from hera_om.aircraft import load_aircraft
 from hera_om.aircraft.mission import Variable
 from hera_om.components import aero as module
-from hera_om.components.aero import COEFFICIENTS, Aerodynamics
+from hera_om.components.aero import Aerodynamics
+from hera_om.components.aero_plan import COEFFICIENTS
 
 POINT = {
     "alpha": 2.3,
