@@ -1,6 +1,5 @@
 """Rotors of an aircraft as a set: their disks in the flow, their loads, their slipstreams at any point."""
 
-from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -31,7 +30,6 @@ class Wake(NamedTuple):
     swirl: Float[Array, "h m nr"]
 
 
-@jax.jit
 def shaft_axes(incidence: Float[Array, " m"]) -> Float[Array, "m 3 3"]:
     """Unit vectors of the shaft axes (x aft along the shaft, y, z) as rows, in geometry axes."""
     c, s, zero = jnp.cos(incidence), jnp.sin(incidence), jnp.zeros_like(incidence)
@@ -39,7 +37,6 @@ def shaft_axes(incidence: Float[Array, " m"]) -> Float[Array, "m 3 3"]:
     return jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-@partial(jax.jit, static_argnames="plan")
 def blades(rotors: Rotors, plan: RotorPlan) -> Blade:
     """Blade elements of every rotor, leading axis m."""
 

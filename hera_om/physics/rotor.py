@@ -1,7 +1,6 @@
 """Blade-element momentum theory by radius and azimuth, from reverse thrust through static to windmilling."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -136,7 +135,6 @@ def element_points(r: Float[Array, " nr"], npsi: int) -> Float[Array, "nr npsi 3
     return r[:, None, None] * radial[None]
 
 
-@partial(jax.jit, static_argnames="n")
 def blade_elements(
     radius: ScalarLike,
     hub_radius: ScalarLike,
@@ -197,7 +195,6 @@ def _loss(factor: Column, sine: Field) -> Field:
     return jnp.maximum(2.0 / jnp.pi * jnp.arccos(jnp.exp(-jnp.maximum(f, LEAST_LOSS**2))), LEAST_LOSS)
 
 
-@partial(jax.jit, static_argnames="losses")
 def _loading(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> _Loading:
     """Section coefficients, losses and mass flow at the inflow angle ``phi``."""
     sine, cosine = jnp.sin(phi), jnp.cos(phi)

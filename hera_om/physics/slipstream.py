@@ -1,6 +1,5 @@
 """The velocity that a rotor's slipstream adds to the flow: a contracting tube with axial and swirl parts."""
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -19,7 +18,6 @@ AXIS_CORE = 1e-6
 """Radius over rotor radius under which the distance from the axis is rounded off; the swirl is zero there."""
 
 
-@jax.jit
 def _spline_curvatures(r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> Float[Array, "nr k"]:
     """Second derivatives of the natural cubic spline through ``values`` at ``r``."""
     n = r.shape[0]
@@ -32,7 +30,6 @@ def _spline_curvatures(r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> 
     return jnp.linalg.solve(matrix, right)
 
 
-@jax.jit
 def _profile(x: Float[Array, " n"], r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> Float[Array, "n k"]:
     """Natural cubic spline through ``values`` at ``r``, continued linearly, hence twice differentiable
     everywhere.

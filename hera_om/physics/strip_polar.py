@@ -9,7 +9,6 @@ one gather and three short sums.
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -169,7 +168,6 @@ def _attached(alpha, cells, column) -> np.ndarray:
     return np.array([zero, fine[low], fine[high], lift[low], lift[high]])
 
 
-@jax.jit
 def strip_state(polar: StripPolar | StripTable, cl, reynolds, *, mach: Number) -> StripState:
     """Drag, moment, effective incidence and margin to stall of strips of known lift.
 
