@@ -19,8 +19,8 @@ from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, 
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import Wake, disk_points, mean_slipstreams, rotor_loads
 from hera_om.physics.geometry import FLAT, Panels
-from hera_om.physics.lattice import Lattice, assemble, solve, solve_halves
-from hera_om.physics.layout import Layout, layout
+from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
+from hera_om.physics.layout import PLANE, Layout, layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
 
@@ -164,7 +164,10 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
     at_disks = [None if u is None or not count else u[:count].reshape(*disks.shape[:3], 3, -1) for u in (even, odd)]
     influence = None
     if slender is not None:
-        influence = SlenderInfluence(slender, mean_body_field(slender.shape, *lattice.across), even[count:, 2])
+        field = mean_body_field(slender.shape, *lattice.across)
+        # Of crossflow in sideslip only fins feel the field, see docs/theory/sections_and_body.md.
+        fin = jnp.asarray(marked(panels, model.kinds, PLANE))[:, None]
+        influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2])
     return System(lattice, (at_disks[0], at_disks[1]), edges, influence)
 
 

@@ -113,7 +113,7 @@ def assemble(
     beta = prandtl_glauert(mach)
     own, image = ring_velocities(everywhere, surfaces, beta, owners, _direction(wake_angle, beta))
     even, odd = own + image, own - image if lateral else None
-    plane = _marked(surfaces, kinds, PLANE)
+    plane = marked(surfaces, kinds, PLANE)
     mirrored_flow = _half(even, normal, e, jnp.diag(jnp.asarray(plane)) if plane.any() else None)
     reversed_flow = None
     if odd is not None:
@@ -139,12 +139,12 @@ def assemble(
         jnp.concatenate([between(q[:-1], q[1:], s.middle) for q, s in zip(trail, surfaces, strict=True)]),
         mirrored_flow,
         reversed_flow,
-        _whole(mirrored_flow, reversed_flow, _marked(surfaces, kinds, SINGLE)),
+        _whole(mirrored_flow, reversed_flow, marked(surfaces, kinds, SINGLE)),
     )
     return lattice, (even[n + e :], None if odd is None else odd[n + e :])
 
 
-def _marked(surfaces: Sequence[Panels], kinds: Sequence[str] | None, kind: str) -> np.ndarray:
+def marked(surfaces: Sequence[Panels], kinds: Sequence[str] | None, kind: str) -> np.ndarray:
     """1 for every panel of the surfaces of a kind, 0 for the others."""
     sizes = [a * b for a, b in shapes(surfaces)]
     return np.repeat([float(k == kind) for k in kinds or [""] * len(sizes)], sizes)

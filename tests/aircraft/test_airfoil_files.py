@@ -35,7 +35,10 @@ def selig(x=X, z=Z):
 
 def lednicer():
     top, low = list(zip(X, Z, strict=True))[5::-1], list(zip(X, Z, strict=True))[5:]
-    rows = lambda pairs: "\n".join(f" {a:.4f} {b:.4f}" for a, b in pairs)  # noqa: E731
+
+    def rows(pairs):
+        return "\n".join(f" {a:.4f} {b:.4f}" for a, b in pairs)
+
     return f"some profile\n {len(top)}.  {len(low)}.\n\n{rows(top)}\n\n{rows(low)}\n"
 
 

@@ -159,7 +159,9 @@ def fake_neuralfoil(monkeypatch):
         assert n_crit == 7.0 and model_size == "large"
         return {"CL": 0.11 * (alpha + 2.0), "CD": 0.006 + 0.0 * alpha * Re, "CM": np.array([-0.05])}
 
-    airfoil = lambda name: types.SimpleNamespace(coordinates=None if name == "clark" else [0])  # noqa: E731
+    def airfoil(name):
+        return types.SimpleNamespace(coordinates=None if name == "clark" else [0])
+
     monkeypatch.setitem(sys.modules, "aerosandbox", types.SimpleNamespace(Airfoil=airfoil))
     monkeypatch.setitem(sys.modules, "neuralfoil", types.SimpleNamespace(get_aero_from_airfoil=answer))
 

@@ -187,6 +187,12 @@ MUTATIONS = {
         0.0,
         PHYSICS + "test_slender_body.py::test_no_flow_inside_and_nothing_off_the_body",
     ),
+    "body_upwash_off_whole": Mutation(
+        "upwash of the fuselage at wing and tail",
+        ("slender_body:UPWASH",),
+        0.0,
+        "tests/components/test_slender_fuselage.py::test_lift_slope_of_wing_and_body",
+    ),
     "body_upwash_off": Mutation(
         "upwash of the fuselage",
         ("slender_body:UPWASH",),
