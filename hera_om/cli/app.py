@@ -2,6 +2,7 @@
 
 import argparse
 import gc
+import os
 import sys
 import traceback
 from collections.abc import Sequence
@@ -28,8 +29,10 @@ def run() -> int:
     """`main` as a process of its own, which need not look for garbage.
 
     Tracing makes millions of small objects that all stay: looking for garbage among them takes a third of
-    the time of a short command, and at the end once more.
+    the time of a short command, and at the end once more. Its pictures go to files: asked for a backend,
+    Matplotlib would look for a display, and OpenMDAO asks when it is imported.
     """
+    os.environ.setdefault("MPLBACKEND", "agg")
     gc.set_threshold(GARBAGE_EVERY)
     keep()
     status = main()

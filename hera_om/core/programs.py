@@ -15,6 +15,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hera_om.core.precision import cache_dir
 
 _kept = False
@@ -46,7 +48,7 @@ def program(function: Callable[..., Any], statics: int, options: dict[str, Any] 
         if not _kept:
             return jitted(*args)
         leaves, tree = jax.tree.flatten(args[statics:])
-        leaves = [jax.numpy.asarray(leaf) for leaf in leaves]
+        leaves = [leaf if isinstance(leaf, jax.Array) else np.asarray(leaf) for leaf in leaves]
         key = _key(function, args[:statics], tree, leaves)
         if key not in found:
             found[key] = _load(key, options) or _make(key, function, args[:statics], tree, leaves, options)
@@ -99,7 +101,7 @@ def _load(key: str, options) -> Callable[..., Any] | None:
     except Exception:  # missing or damaged, whatever that raises: tracing anew mends it
         return None
     # A program calls LAPACK by names that JAX registers when it lowers such a call for the first time.
-    jax.jit(jax.scipy.linalg.lu_factor).lower(jax.numpy.eye(1))
+    jax.jit(jax.scipy.linalg.lu_factor).lower(jax.ShapeDtypeStruct((1, 1), float))
     return _runner(exported, structure, options)
 
 
