@@ -72,7 +72,7 @@ class Aerodynamics(JaxComponent):
         aircraft = self.options["aircraft"]
         self.statics = AeroPlan(aircraft, self.options["lateral"])
         self.constants = tuple(arrays.grids(aircraft, self.options["lateral"]))
-        point = np.asarray(arrays.moment_point(aircraft))
+        point = arrays.moment_point(aircraft)
         flight = aircraft.flight
         defaults = {
             "alpha": flight.alpha_deg,

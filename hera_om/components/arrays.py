@@ -199,16 +199,16 @@ def flow(aircraft: Aircraft, mach, altitude, point) -> Flow:
     return Flow(speed, density, air.sound_speed, air.viscosity, mach, point)
 
 
-def moment_point(aircraft: Aircraft):
+def moment_point(aircraft: Aircraft) -> tuple[float, ...]:
     """Moment point of the definition, or the quarter of the wing's mean chord, or the origin."""
-    at = _quarter(aircraft)
+    at = _quarter(aircraft, math.tan)
     given = (aircraft.reference.x_m, aircraft.reference.y_m, aircraft.reference.z_m)
-    return _row([a if g is None else g for a, g in zip(at, given, strict=True)])
+    return tuple(a if g is None else g for a, g in zip(at, given, strict=True))
 
 
-def _quarter(aircraft: Aircraft):
+def _quarter(aircraft: Aircraft, tan):
     """Quarter of the wing's mean chord, or the origin."""
-    return wing_quarter_mac(aircraft.wing, jnp.tan) if aircraft.wing is not None else (0.0, 0.0, 0.0)
+    return wing_quarter_mac(aircraft.wing, tan) if aircraft.wing is not None else (0.0, 0.0, 0.0)
 
 
 def _shell(f) -> Fuselage:
@@ -277,7 +277,7 @@ def _fin(fin, unit):
 def _area(aircraft: Aircraft, item, free):
     """A drag area at the wing's mean quarter chord and the fuselage axis, or at the hubs of its rotors."""
     if item.rotor is None:
-        return item.value_m2, _quarter(aircraft)[0], 0.0, free
+        return item.value_m2, _quarter(aircraft, jnp.tan)[0], 0.0, free
     start = 0
     for group in aircraft.rotor:
         if group.name == item.rotor:

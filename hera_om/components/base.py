@@ -13,6 +13,7 @@ from jax.flatten_util import ravel_pytree
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.paths import variable_box
 from hera_om.components.structure import Structure, number_array
+from hera_om.core.programs import program
 from hera_om.core.registry import quantity
 
 Values = dict[str, Any]
@@ -150,4 +151,5 @@ def _compiled(evaluate):
 
         return jax.jit(matrix, static_argnums=(0, 1, 2, 3))
 
-    return jax.jit(run, static_argnums=(0, 1, 2)), jacobian(jax.jacfwd), jacobian(jax.jacrev)
+    run.__module__, run.__qualname__ = evaluate.__module__, evaluate.__qualname__  # names of the kept program
+    return program(run, 3), jacobian(jax.jacfwd), jacobian(jax.jacrev)

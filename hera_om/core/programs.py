@@ -42,24 +42,25 @@ def program(function: Callable[..., Any], statics: int, options: dict[str, Any] 
     import jax
 
     jitted = jax.jit(function, static_argnums=tuple(range(statics)), compiler_options=options)
-    found: dict[str, Callable[..., Any]] = {}
+    found: dict[Any, Callable[..., Any]] = {}
 
     def call(*args: Any) -> Any:
         if not _kept:
             return jitted(*args)
         leaves, tree = jax.tree.flatten(args[statics:])
         leaves = [leaf if isinstance(leaf, jax.Array) else np.asarray(leaf) for leaf in leaves]
-        key = _key(function, args[:statics], tree, leaves)
-        if key not in found:
-            found[key] = _load(key, options) or _make(key, function, args[:statics], tree, leaves, options)
-        return found[key](leaves)
+        shapes = tuple((leaf.shape, str(leaf.dtype)) for leaf in leaves)
+        what = (args[:statics], tree, shapes)
+        if what not in found:
+            key = _key(function, *what)
+            found[what] = _load(key, options) or _make(key, function, args[:statics], tree, leaves, options)
+        return found[what](leaves)
 
     return call
 
 
-def _key(function, statics, tree, leaves) -> str:
+def _key(function, statics, tree, shapes) -> str:
     """Name of a program: whatever its code depends on."""
-    shapes = [(leaf.shape, str(leaf.dtype)) for leaf in leaves]
     parts = (_source(), function.__module__, function.__qualname__, statics, str(tree), shapes)
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
