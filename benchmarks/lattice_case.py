@@ -13,6 +13,7 @@ from hera_om.physics.fast_derivatives import Reference, response
 from hera_om.physics.geometry import QUARTER, Panels
 
 REFERENCE = Reference(wing.AREA, wing.CHORD, wing.SPAN, jnp.asarray([wing.X_REF, 0.0, 0.0]))
+BOUND = "solve, bound loads"
 FLAPPED = 4  # rows of panels that the three controls turn
 
 
@@ -41,15 +42,20 @@ def panels_of(mesh):
     )
 
 
-def answer(mesh, alpha, by=()):
+def answer(mesh, alpha, by=(), **how):
     """Coefficients and derivatives by alpha, beta, p, q, r and three controls, or some of them."""
     state = jnp.zeros(8).at[0].set(alpha)
-    return response([panels_of(mesh)], state, REFERENCE, by=by, reversed_entries=(1, 2, 4, 6, 7))
+    return response([panels_of(mesh)], state, REFERENCE, by=by, reversed_entries=(1, 2, 4, 6, 7), **how)
 
 
 def solve(mesh, alpha):
     """CL, CD, Cm."""
     return answer(mesh, alpha).values[jnp.asarray([0, 1, 4])]
+
+
+def solve_bound(mesh, alpha):
+    """The same with forces on the bound filaments alone."""
+    return answer(mesh, alpha, chordwise_loads=False).values[jnp.asarray([0, 1, 4])]
 
 
 def derivatives(mesh, alpha):
@@ -75,6 +81,7 @@ def gradient_of(function):
 
 CASES = {
     "solve": solve,
+    BOUND: solve_bound,
     "derivatives": derivatives,
     "gradient": gradient_of(solve),
     "gradient of derivatives": gradient_of(three),

@@ -51,6 +51,7 @@ class _Geometry(NamedTuple):
     points: Float[Array, "e 3"]  # of attack of the loaded filaments
     lines: Float[Array, "e 3"]  # vectors of the filaments
     weight: np.ndarray  # part of a filament that belongs to either half
+    loaded: np.ndarray  # places of these filaments among all
 
 
 class _Columns(NamedTuple):
@@ -71,6 +72,7 @@ def response(
     kinds: Sequence[str] | None = None,
     reversed_entries: Sequence[int] = REVERSED,
     lateral: bool = False,
+    chordwise_loads: bool = True,
 ) -> Response:
     """Coefficients at a state and their derivatives by chosen entries of it.
 
@@ -83,11 +85,12 @@ def response(
         kinds: how each surface meets the plane of symmetry, see `layout.layout`.
         reversed_entries: entries that the plane reverses, commands with opposite deflections among them.
         lateral: True if any of these is not zero at the state itself.
+        chordwise_loads: whether chordwise filaments carry force too; in AVL only the bound ones do.
 
     Returns:
         Response; derivatives per radian and per unit of the rates. Valid where the lattice is.
     """
-    plan = layout(shapes(surfaces), kinds)
+    plan = layout(shapes(surfaces), kinds, chordwise_loads=chordwise_loads)
     every = tuple(range(len(by) + 1))
     odd = tuple(i + 1 for i, entry in enumerate(by) if entry in reversed_entries)
     columns = _Columns(len(every), tuple(i for i in every if i not in odd), odd)
@@ -100,7 +103,8 @@ def response(
     split = even.shape[1]
     local = _halves(v[..., :split], v[..., split:], columns)
     halves = []
-    for side, induced, gamma in zip(_sides(columns), local, _strengths(plan, even, odd_part, columns), strict=True):
+    strengths = [gamma[geometry.loaded] for gamma in _strengths(plan, even, odd_part, columns)]
+    for side, induced, gamma in zip(_sides(columns), local, strengths, strict=True):
         air = _with_derivatives(lambda x, s=side: onset(geometry.points, x, reference, s), state, by)
         halves.append(_resultant(geometry, gamma, induced + air, reference, side))
     force, moment = both_halves([h[0] for h in halves]), both_halves([h[1] for h in halves], axial=True)
@@ -147,8 +151,9 @@ def _geometry(surfaces: Sequence[Panels], plan: Layout) -> _Geometry:
         left, right, front, back = s.rings[:-1, :-1], s.rings[:-1, 1:], s.rings[:-1], s.rings[1:]
         points += [between(left, right, s.middle), (front + back) / 2]
         lines += [right - left, back - front]
-    points, lines = (jnp.concatenate([a.reshape(-1, 3) for a in family]) for family in (points, lines))
-    return _Geometry(jnp.concatenate(hinge, axis=2), points, lines, plan.weight[plan.inner][:, None])
+    loaded = np.flatnonzero(plan.loaded)
+    points, lines = (jnp.concatenate([a.reshape(-1, 3) for a in family])[loaded] for family in (points, lines))
+    return _Geometry(jnp.concatenate(hinge, axis=2), points, lines, plan.weight[plan.inner[loaded]][:, None], loaded)
 
 
 def _with_derivatives(function, state, by) -> Array:

@@ -8,8 +8,9 @@ import pytest
 from hera_om.physics import fast_lattice
 from hera_om.physics.fast_derivatives import Reference, response
 from hera_om.physics.geometry import Panels
-from hera_om.physics.lattice import assemble, ring_velocities, solve
-from hera_om.physics.layout import FREE, PLANE, ROOTED, SINGLE
+from hera_om.physics.lattice import assemble, ring_velocities, shapes, solve
+from hera_om.physics.lattice_forces import filament_forces, filament_strengths, resultant, strip_loads
+from hera_om.physics.layout import FREE, PLANE, ROOTED, SINGLE, layout
 
 MACH = 0.5
 KINDS = (ROOTED, FREE, PLANE)
@@ -125,6 +126,19 @@ def test_derivatives_by_the_state_against_differences(lateral):
     differences = jnp.stack([(value(state + d) - value(state - d)) / 2e-4 for d in 1e-4 * jnp.eye(7)], axis=1)
     close(by.values, value(state), 1e-10)
     close(by.by, differences, 1e-7)
+
+
+@pytest.mark.parametrize("chordwise", [True, False], ids=["all filaments", "bound filaments"])
+def test_forces_are_those_of_the_lattice(chordwise):
+    lattice, _ = assemble(SURFACES, jnp.asarray(MACH), kinds=KINDS)
+    plan = layout(shapes(SURFACES), KINDS, chordwise_loads=chordwise)
+    wind = jnp.asarray([np.cos(0.06), 0.0, np.sin(0.06)])
+    gamma = solve(lattice.even, -lattice.normal @ wind)
+    forces = filament_forces(lattice, filament_strengths(plan, gamma), wind + lattice.even.velocity @ gamma)
+    force, moment = resultant([strip_loads(lattice, plan, forces)], plan, REFERENCE.point)
+    ours = coefficients(jnp.zeros(7).at[0].set(0.06), chordwise_loads=chordwise).values
+    lift, drag = force[2] * wind[0] - force[0] * wind[2], force @ wind
+    close(ours[jnp.asarray([0, 1, 4])], jnp.stack([lift, drag, moment[1] / REFERENCE.c]) / REFERENCE.S)
 
 
 def test_gradients_by_the_nodes_against_differences():
