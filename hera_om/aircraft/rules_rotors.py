@@ -1,4 +1,4 @@
-"""Rules on where rotors stand: clear of each other, of their mirror images and of the fuselage."""
+"""Rules on where rotors stand: clear of each other, of their mirror images, of the wing and of the fuselage."""
 
 import math
 from collections.abc import Iterator
@@ -28,11 +28,13 @@ def rotor_findings(aircraft: Aircraft) -> Iterator[Finding]:
     yield from placing
     for rotor in aircraft.rotor:
         yield from _pitch(rotor)
+        yield from _solidity(aircraft, rotor)
     if placing:
         return
     disks = [disk for rotor in aircraft.rotor for disk in _disks(aircraft, rotor)]
     yield from _overlaps(disks)
     yield from _mirror(disks)
+    yield from _wing(aircraft, disks)
     yield from _fuselage(aircraft, disks)
 
 
@@ -72,6 +74,18 @@ def _pitch(rotor: Rotor) -> Iterator[Finding]:
         yield Finding(f"rotor.{rotor.name}.beta75_deg", rotor.beta75_deg, expected, "pitch")
 
 
+def _solidity(aircraft: Aircraft, rotor: Rotor) -> Iterator[Finding]:
+    """Blades side by side leave air between them: in the plane of the disk they fill less than the circumference."""
+    blade = next((b for b in aircraft.blade if b.name == rotor.blade), None)
+    if blade is None or not len(blade.r) == len(blade.c) == len(blade.twist_deg):
+        return
+    for i, (r, c, twist) in enumerate(zip(blade.r, blade.c, blade.twist_deg, strict=True)):
+        filled = rotor.blades * c * abs(math.cos(math.radians(rotor.beta75_deg + twist))) / (2 * math.pi * r)
+        if filled >= 1.0:
+            expected = f"less than {c / filled:.4g}, or the {rotor.blades} blades of {rotor.name} overlap there"
+            yield Finding(f"blade.{blade.name}.c.{i}", c, expected, "solid")
+
+
 def _disks(aircraft: Aircraft, rotor: Rotor) -> Iterator[Disk]:
     """The disks of a group on the starboard side."""
     places = wing_sections(aircraft.wing) if aircraft.wing else ()
@@ -94,10 +108,14 @@ def _leading_edge(places: tuple[SectionPlace, ...], y: float) -> SectionPlace:
 
 
 def _overlaps(disks: list[Disk]) -> Iterator[Finding]:
-    """Disks on one side do not overlap, seen from the front: no rotor works in another's slipstream."""
+    """Disks on one side that overlap, seen from the front, stand at least the larger radius behind each other.
+
+    So the rear one works in a slipstream that has left its rotor, and no blade meets another.
+    """
     for a, b in combinations(disks, 2):
         distance, needed = math.hypot(b.y - a.y, b.z - a.z), a.radius + b.radius
-        if distance >= needed:
+        behind, apart = abs(b.x - a.x), max(a.radius, b.radius)
+        if distance >= needed or behind >= apart:
             continue
         if a.rotor is b.rotor:
             key, value = f"rotor.{a.rotor.name}.spacing_m", a.rotor.spacing_m
@@ -106,7 +124,8 @@ def _overlaps(disks: list[Disk]) -> Iterator[Finding]:
             key, value = f"rotor.{b.rotor.name}.y_m", b.rotor.y_m
             expected = (
                 f"at least {needed:g} [m] between hub {b.index + 1} of {b.rotor.name} at y = {b.y:g} and hub "
-                f"{a.index + 1} of {a.rotor.name} at y = {a.y:g} (now {distance:.4g}), or the disks overlap"
+                f"{a.index + 1} of {a.rotor.name} at y = {a.y:g} (now {distance:.4g}), or one at least {apart:g} [m] "
+                f"behind the other (now {behind:.4g}), or the disks overlap"
             )
         yield Finding(key, value, expected, "overlap")
 
@@ -117,6 +136,26 @@ def _mirror(disks: list[Disk]) -> Iterator[Finding]:
         if 0.0 < disk.y < disk.radius:
             expected = f"at least the radius {disk.radius:g} [m], or the disk overlaps its mirror image"
             yield Finding(f"rotor.{disk.rotor.name}.y_m", disk.rotor.y_m, expected, "mirror")
+
+
+def _wing(aircraft: Aircraft, disks: list[Disk]) -> Iterator[Finding]:
+    """Disks at the height of the wing stand ahead of its leading edge or behind its trailing edge."""
+    if aircraft.wing is None:
+        return
+    edges, chords = wing_sections(aircraft.wing), [s.chord_m for s in aircraft.wing.section]
+    tails = tuple(e._replace(x=e.x + c) for e, c in zip(edges, chords, strict=True))
+    for disk in disks:
+        reach = [max(edges[0].y, disk.y - disk.radius), disk.y, min(edges[-1].y, disk.y + disk.radius)]
+        reach += [e.y for e in edges if abs(e.y - disk.y) < disk.radius]
+        if abs(disk.z - _leading_edge(edges, disk.y).z) >= disk.radius:
+            continue
+        front, rear = (pick(_leading_edge(at, y).x for y in reach) for pick, at in ((min, edges), (max, tails)))
+        if front <= disk.x <= rear:
+            on_wing = disk.rotor.x_m is None
+            key = "x_ahead_of_leading_edge_m" if on_wing else "x_m"
+            expected = f"a disk ahead of x = {front:g} or behind {rear:g} [m] (now {disk.x:g}), or it cuts the wing"
+            value = disk.rotor.x_ahead_of_leading_edge_m if on_wing else disk.rotor.x_m
+            yield Finding(f"rotor.{disk.rotor.name}.{key}", value, expected, "wing")
 
 
 def _fuselage(aircraft: Aircraft, disks: list[Disk]) -> Iterator[Finding]:

@@ -62,6 +62,8 @@ ONE_FAULT = [
     ("[[rotor]]:hybrid", "z_offset_m", "", "rotor.hybrid", "x_ahead_of_leading_edge_m", "either"),
     ("[[rotor]]:hybrid", "z_offset_m", "z_offset_m = 0.0\nx_m = 1.0\nz_m = 0.0", "rotor.hybrid", "x_ahead_of_leading_edge_m, z_offset_m, x_m, z_m", "either"),
     ("[[rotor]]:electric", "spacing_m", "spacing_m = 2.0", "rotor.electric.spacing_m", 2.0, "diameter 2.4"),
+    ("[[rotor]]:electric", "x_ahead_of_leading_edge_m", "x_ahead_of_leading_edge_m = -0.5",
+     "rotor.electric.x_ahead_of_leading_edge_m", -0.5, "cuts the wing"),
     ("[[rotor]]:electric", "spacing_m", "", "rotor.electric.spacing_m", None, "count_per_side > 1"),
     ("[[rotor]]:electric", "spacing_m", "spacing_m = 7.0", "rotor.electric.y_m", 8.0, "within the semispan 14.5"),
     ("[[wing.section]]:kink", "y_m", "y_m = 15.0", "wing.section.kink.y_m", 15.0, "between 0 (root) and 14.5 (tip)"),
@@ -98,6 +100,8 @@ ONE_FAULT = [
     ("[[blade]]", "c", "c = [0.1, 0.1]", "blade.main.c", "2 entries", "r, which has 10"),
     ("[[blade]]", "r", "r = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.85, 1.0]", "blade.main.r.8", 0.85, "0.9"),
     ("[[blade]]", "r", "r = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.1]", "blade.main.r.9", 1.1, "<= 1"),
+    ("[[blade]]", "c", "c = [1.0, 0.5, 0.16, 0.165, 0.16, 0.15, 0.135, 0.11, 0.09, 0.06]", "blade.main.c.0", 1.0,
+     "overlap"),
     ("[[blade]]", "hub", "hub = 0.25", "blade.main.hub", 0.25, "at most the first station"),
     ("[[mass]]:wing", "x_m", "x_m = nan", "mass.wing.x_m", "nan", "a finite number"),
     ("[[mass]]:wing", "x_m", "x_m = -inf", "mass.wing.x_m", "-inf", "a finite number"),
@@ -368,6 +372,12 @@ def test_rotor_on_the_wing_needs_the_wing():
     text = edit("[[rotor]]", "x_m", "x_ahead_of_leading_edge_m = 1.0", text)
     (problem,) = report(edit("[[rotor]]", "z_m", "z_offset_m = 0.0", text)).problems
     assert problem.key == "rotor.prop.x_ahead_of_leading_edge_m" and "no wing" in problem.expected
+
+
+def test_a_disk_may_stand_in_the_slipstream_of_another():
+    beside = edit("[[rotor]]:hybrid", "y_m", "y_m = 5.2")
+    assert "overlap" in report(beside).problems[0].expected
+    loads(edit("[[rotor]]:hybrid", "x_ahead_of_leading_edge_m", "x_ahead_of_leading_edge_m = 3.2", beside), FILE)
 
 
 # --- fuzz: whatever comes in, an aircraft or an InputError comes out
