@@ -100,7 +100,7 @@ ONE_FAULT = [
     ("[[blade]]", "c", "c = [0.1, 0.1]", "blade.main.c", "2 entries", "r, which has 10"),
     ("[[blade]]", "r", "r = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.85, 1.0]", "blade.main.r.8", 0.85, "0.9"),
     ("[[blade]]", "r", "r = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.1]", "blade.main.r.9", 1.1, "<= 1"),
-    ("[[blade]]", "c", "c = [1.0, 0.5, 0.16, 0.165, 0.16, 0.15, 0.135, 0.11, 0.09, 0.06]", "blade.main.c.0", 1.0,
+    ("[[blade]]", "c", "c = [0.78, 0.5, 0.16, 0.165, 0.16, 0.15, 0.135, 0.11, 0.09, 0.06]", "blade.main.c.0", 0.78,
      "overlap"),
     ("[[blade]]", "hub", "hub = 0.25", "blade.main.hub", 0.25, "at most the first station"),
     ("[[mass]]:wing", "x_m", "x_m = nan", "mass.wing.x_m", "nan", "a finite number"),
