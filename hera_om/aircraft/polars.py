@@ -36,7 +36,7 @@ class PolarTable(Part):
 
     file: str | None = item("CSV file beside the definition, copied into csv when loading", None)
     neuralfoil: NeuralFoil | None = item("NeuralFoil's answer, copied into csv when loading", None)
-    csv: str | None = item("the table itself: alpha_deg,reynolds,mach,cl,cd[,cm] and one line a point", None)
+    csv: str | None = item("the table: alpha_deg,reynolds,mach,cl,cd[,cm], one line a point; cm is not applied", None)
     source: str = item("where the table comes from", "")
 
 

@@ -10,7 +10,7 @@ from hera_om.core.registry import INPUTS, OUTPUTS, quantity
 Result = Mapping[str, Any]
 
 _COEFFICIENTS = ("CL", "CD", "CX", "CY", "CZ", "Cl", "Cm", "Cn")
-_BY = "alpha beta p q r alphadot mach delta_e delta_a delta_r delta_f".split()
+_BY = "alpha beta p q r alphadot betadot mach delta_e delta_a delta_r delta_f".split()
 _DERIVATIVE = re.compile(rf"(?P<row>{'|'.join(_COEFFICIENTS)})_(?P<by>{'|'.join(_BY)}|theta_\w+)")
 _DRAG = ("CDi", "CD_profile", "CD_fuselage", "CD_areas", "CD_slipstream", "CD")
 _ROTOR = ("theta", "thrust", "power", "CT", "CP", "eta")

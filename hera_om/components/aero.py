@@ -46,7 +46,8 @@ class Aerodynamics(JaxComponent):
     rudder become inputs, side force, rolling and yawing moment and all derivatives by them outputs.
 
     While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
-    elevator and blade pitch, from derivatives that `compute` has found anyway.
+    elevator and blade pitch, from derivatives that `compute` has found anyway. `pressure` holds what the last
+    evaluation found on the panels, see `physics.aerodynamics.AeroResult`; only pictures need it.
     """
 
     READS = (
@@ -93,7 +94,9 @@ class Aerodynamics(JaxComponent):
 
     def compute(self, inputs, outputs) -> None:
         """Assemble if geometry or Mach number have moved, then evaluate the state."""
-        self.store(self._state(self.values(inputs)).outputs, outputs)
+        kept = self._state(self.values(inputs))
+        self.store(kept.outputs, outputs)
+        self.pressure = np.asarray(kept.pressure)
 
     def store(self, out: Values, outputs) -> None:
         """Copy results, unless lattice and rotors have found no equilibrium."""
@@ -168,6 +171,7 @@ class State(NamedTuple):
     inverse: Any  # see `physics.coupling.carry_derivatives`
     by: Any  # Coefficients by the state
     thrust_by: Any
+    pressure: Any  # see `physics.aerodynamics.AeroResult`
 
 
 UNCONVERGED = 1e-9  # of the flight speed: residual of the coupling above which an analysis has failed
@@ -239,8 +243,8 @@ def _coefficients(statics: AeroPlan, result: AeroResult) -> Values:
     for name in statics.coefficients:
         row = getattr(result.derivatives, name)
         out |= {f"{name}_{by}": row[i] for i, by in enumerate(statics.columns)}
-        if "alphadot" in statics.by:
-            out[f"{name}_alphadot"] = getattr(result.alphadot, name)
+        rates = {"alphadot": result.alphadot, "betadot": result.betadot}
+        out |= {f"{name}_{by}": getattr(rates[by], name) for by in statics.by if by in rates}
     return out
 
 
@@ -334,7 +338,7 @@ def _stages(once: bool):
         root = find_root(x, at, statics.rotors)
         result = _evaluate(aircraft, statics, constants, system, inputs, root, None)
         outputs = _outputs(aircraft, statics, system, inputs, result)
-        return State(outputs, system, root, result.inverse, result.derivatives, result.thrust_by)
+        return State(outputs, system, root, result.inverse, result.derivatives, result.thrust_by, result.pressure)
 
     def by_system(structure, statics, paths, wrt, base, constants, inputs):
         """Tangents of the assembled system by the inputs that it reads, stacked on a leading axis."""

@@ -82,8 +82,9 @@ class AeroPlan:
 
     @property
     def by(self) -> tuple[str, ...]:
-        """What coefficients are differentiated by; by alpha-dot where all surfaces have their image."""
-        return self.columns if SINGLE in self.model.kinds else (*self.columns, "alphadot")
+        """What coefficients are differentiated by; by alpha-dot and beta-dot where all surfaces have their image."""
+        rates = ("alphadot", "betadot") if self.model.lateral else ("alphadot",)
+        return self.columns if SINGLE in self.model.kinds else (*self.columns, *rates)
 
 
 TEXTS: dict[str, dict[str, Any]] = {

@@ -15,8 +15,6 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from hera_om.core.precision import cache_dir
 
 _kept = False
@@ -40,6 +38,7 @@ def program(function: Callable[..., Any], statics: int, options: dict[str, Any] 
         The function, compiled when it is called.
     """
     import jax
+    import numpy as np
 
     jitted = jax.jit(function, static_argnums=tuple(range(statics)), compiler_options=options)
     found: dict[Any, Callable[..., Any]] = {}

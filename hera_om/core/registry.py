@@ -108,6 +108,7 @@ _RATES = {
     "q": "the pitch rate q c / 2V",
     "r": "the yaw rate r b / 2V",
     "alphadot": "the rate alphadot c / 2V",
+    "betadot": "the rate betadot b / 2V",
     "mach": "the Mach number",
 }
 _ANGLE = re.compile(r"alpha|beta|delta_[aerf]|theta_[A-Za-z][A-Za-z0-9_]*")

@@ -24,14 +24,18 @@ from hera_om.physics.coupling import (
     sides,
     turned,
     wind,
+    winds,
 )
 from hera_om.physics.disks import Wake, mean_slipstreams
+from hera_om.physics.geometry import surface_mesh
 from hera_om.physics.lattice import Lattice
 from hera_om.physics.lattice_forces import (
     StripLoads,
     both_halves,
     filament_forces,
     filament_strengths,
+    panel_pressure,
+    pressure_cells,
     resultant,
     strip_loads,
     trefftz,
@@ -95,9 +99,11 @@ class AeroResult(NamedTuple):
     derivatives: Coefficients  # each [2 + k + g + l]
     thrust_by: Float[Array, "m s"]  # of each starboard rotor, N
     alphadot: Coefficients  # by alphadot c / 2V
+    betadot: Coefficients  # by betadot b / 2V
     drag: DragParts
     stall: Stall | None
     cl_strips: Float[Array, " s"]  # section lift coefficients on the local dynamic pressure, wing first
+    pressure: Float[Array, "h n"]  # differences on the panels of each half, see `lattice_forces.panel_pressure`
     loads: Loads
     wake: Wake | None
     residual: Array  # of the coupling, over the flight speed
@@ -156,17 +162,21 @@ def evaluate(
         return total, (total, rest)
 
     derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
-    drag, cl, stall, wing, local = rest
+    drag, cl, stall, wing, filaments, local = rest
     panels = make_surfaces(surfaces, model)
-    alphadot = _alphadot(local, x, answer, by.gamma[..., 0], panels, at=at, body=body, lay=lay)
+    cells = [pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces]
+    rates = {"panels": panels, "at": at, "body": body, "lay": lay}
+    column = first.shape[0] - x.lateral.shape[0]  # of sideslip
     return AeroResult(
         total=total,
         derivatives=derivatives,
         thrust_by=jnp.zeros((0, first.shape[0])) if by.loads is None else by.loads.thrust[0],
-        alphadot=alphadot,
+        alphadot=_alphadot(local, x, answer, by.gamma[..., 0], **rates),
+        betadot=_betadot(local, answer, by.gamma[..., column], **rates) if x.lateral.shape[0] else _zeros(),
         drag=drag,
         stall=stall,
         cl_strips=cl,
+        pressure=jnp.stack([panel_pressure(lay, f, cells) for f in filaments]) if cells else jnp.zeros((0, 0)),
         loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads)),
         wake=None if answer.wake is None else jax.tree.map(lambda v: v[0], answer.wake),
         residual=jnp.max(jnp.abs(answer.flat - flat), initial=0.0),
@@ -190,11 +200,11 @@ def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting,
     flow, stream = at.flow, wind(x)
     up = jnp.stack([-jnp.sin(x.alpha), jnp.zeros_like(x.alpha), jnp.cos(x.alpha)])
     force = moment = profile_force = local = jnp.zeros(3)
-    cl, stall, wing = jnp.zeros(0), None, None
+    cl, stall, wing, filaments = jnp.zeros(0), None, None, []
     induced_drag = slip = trace = jnp.zeros(())
     if at.system.lattice is not None:
         halves, local = _half_loads(x, answer, polars, at=at, plan=plan, lay=lay)
-        wing, cl = halves[0].loads, halves[0].state.cl
+        wing, cl, filaments = halves[0].loads, halves[0].state.cl, [h.filaments for h in halves]
         stall = _stall(at.system.lattice, lay, [h.state for h in halves])
         force, moment = resultant([h.loads for h in halves], lay, flow.point)
         profile_force = both_halves([jnp.sum(h.profile, axis=0) for h in halves])
@@ -226,7 +236,7 @@ def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting,
         Cn=-turning[2] / body.b,
     )
     parts = DragParts(trace, induced_drag, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
-    return total, (parts, cl, stall, wing, local)
+    return total, (parts, cl, stall, wing, filaments, local)
 
 
 def _transfer(force, point):
@@ -246,32 +256,33 @@ class HalfLoads(NamedTuple):
     loads: StripLoads  # profile drag included
     profile: Float[Array, "s 3"]  # force of the profile drag that belongs to the half, m^2
     slip: Array  # drag of the slipstream's velocities on the circulation, m^2
+    filaments: Float[Array, "e 3"]  # forces on the filaments, m^2
     state: StripState
 
 
 def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, lay: Layout):
-    """Loads of each half, and the velocity at the filaments of the starboard one."""
+    """Loads of each half, and the mirrored part of the velocity at the filaments without their own."""
     lattice, flow, halves = at.system.lattice, at.flow, sides(x)
     assert lattice is not None
     wash = jnp.zeros((len(halves), *lattice.points.shape))
     if plan is not None and at.rotors is not None and answer.wake is not None:
-        lateral = len(halves) == 2
-        at_middles = mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms, lateral=lateral)
-        wash = SLIPSTREAM * at_middles
+        each = mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms, winds=winds(x))
+        wash = SLIPSTREAM * jnp.sum(each, axis=1)
     own = induced(lattice.even.velocity, None if lattice.odd is None else lattice.odd.velocity, answer.gamma)
     odd = both_parts(list(answer.gamma))[1]
-    out, first = [], None
+    out, locals_ = [], []
     for i, side in enumerate(halves):
         local = onset(lattice.points, x, at, side) + wash[i]
         strength = filament_strengths(lay, answer.gamma[i], None if odd is None else side * odd)
-        loads = strip_loads(lattice, lay, filament_forces(lattice, strength, local + own[i]))
+        forces = filament_forces(lattice, strength, local + own[i])
+        loads = strip_loads(lattice, lay, forces)
         drag, state = _profile(lattice, lay, loads, local, polars, flow)
         weight = jnp.asarray(lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer])
         slip = 2.0 * (weight * strength) @ (jnp.cross(wash[i], lattice.arms) @ wind(x, side))
         here = jnp.asarray(lay.weight * (lay.image if side < 0 else 1.0))
-        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, state))
-        first = local if first is None else first
-    return out, first
+        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, forces, state))
+        locals_.append(local)
+    return out, both_parts(locals_)[0]
 
 
 def _stall(lattice: Lattice, lay: Layout, halves: list[StripState]) -> Stall:
@@ -335,17 +346,42 @@ def _hub_loads(rotors, plan, loads: RotorSolution, flow: Flow):
     return total, both_halves(about, axial=True) - jnp.cross(flow.point - centre, total)
 
 
-def _alphadot(local, x: Controls, answer: Response, gamma_alpha, panels, *, at: Setting, body: Body, lay: Layout):
+def _zeros() -> Coefficients:
+    """No derivatives."""
+    return Coefficients(*[jnp.zeros(())] * 8)
+
+
+def _alphadot(local, x: Controls, answer: Response, gamma_by, *, panels, at: Setting, body: Body, lay: Layout):
     """Derivatives by alphadot c / 2V in pure plunging, see `unsteady_lattice.plunge_rate`; zero without its half."""
     lattice, zero = at.system.lattice, jnp.zeros(())
     if lattice is None or lattice.whole is not None:
-        return Coefficients(*[zero] * 8)
-    gamma, slope = (both_parts(list(v))[0] for v in (answer.gamma, gamma_alpha))
-    velocity = local + lattice.even.velocity @ gamma
-    how = {"gamma": gamma, "gamma_alpha": slope, "velocity": velocity, "mach": at.flow.mach, "c": body.c}
-    force, moment = unsteady_resultant(lattice, plunge_rate(lattice, panels, lay, **how), at.flow.point)
+        return _zeros()
+    slope = both_parts(list(gamma_by))[0]
+    loads = plunge_rate(lattice, panels, lay, gamma_by=slope, length=body.c, **_mean(local, answer, at))
+    force, moment = unsteady_resultant(lattice, loads, at.flow.point)
     force = force / body.S
     stream = jnp.stack([jnp.cos(x.alpha), zero, jnp.sin(x.alpha)])
     up = jnp.stack([-stream[2], zero, stream[0]])
     cm = moment[1] / (body.S * body.c)
     return Coefficients(force @ up, force @ stream, force[0], force[2], cm, zero, zero, zero)
+
+
+def _betadot(local, answer: Response, gamma_by, *, panels, at: Setting, body: Body, lay: Layout) -> Coefficients:
+    """The same by betadot b / 2V in plunging sideways: side force, rolling and yawing moment."""
+    lattice = at.system.lattice
+    if lattice is None or lattice.whole is not None:
+        return _zeros()
+    slope = both_parts(list(gamma_by))[1]
+    assert slope is not None
+    loads = plunge_rate(lattice, panels, lay, gamma_by=slope, length=body.b, odd=True, **_mean(local, answer, at))
+    force, moment = unsteady_resultant(lattice, loads, at.flow.point, odd=True)
+    roll, yaw = -moment[0] / (body.S * body.b), -moment[2] / (body.S * body.b)
+    return _zeros()._replace(CY=force[1] / body.S, Cl=roll, Cn=yaw)
+
+
+def _mean(local, answer: Response, at: Setting):
+    """The mirrored part of the flow, about which rates are small."""
+    lattice = at.system.lattice
+    assert lattice is not None
+    gamma = both_parts(list(answer.gamma))[0]
+    return {"gamma": gamma, "velocity": local + lattice.even.velocity @ gamma, "mach": at.flow.mach}

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
-from hera_om.physics.disks import Wake, disk_points, mean_slipstreams, rotor_loads
+from hera_om.physics.disks import Wake, at_other_disks, disk_points, jet_factors, mean_slipstreams, rotor_loads
 from hera_om.physics.geometry import FLAT, Panels
 from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
 from hera_om.physics.layout import PLANE, Layout, layout
@@ -30,6 +30,10 @@ SLIPSTREAM = 1.0
 """Share of the slipstream that reaches the surfaces; 0 leaves the rotors only their hub forces."""
 UPWASH = 1.0
 """Share of the surfaces' induced velocity that reaches the disks."""
+NEIGHBOURS = 1.0
+"""Share of a rotor's slipstream that reaches other rotors."""
+FINITE_JET = 1.0
+"""Share of what the finite height of a slipstream takes from the circulation."""
 
 
 class SlenderInfluence(NamedTuple):
@@ -101,6 +105,13 @@ class Response(NamedTuple):
     loads: RotorSolution | None
     wake: Wake | None
     upwash: Array | None = None  # of the lattice at the axis of a slender fuselage
+
+
+class Jets(NamedTuple):
+    """What slipstreams do at the collocation points of each half."""
+
+    velocity: Float[Array, "h n 3"]  # over the flight speed
+    factor: Float[Array, "h n"]  # of the normal velocity, see `finite_jet.jet_factor`
 
 
 class Setting(NamedTuple):
@@ -198,6 +209,11 @@ def wind(x: Controls, side: float = 1.0) -> Float[Array, " 3"]:
     return jnp.stack([jnp.cos(x.alpha) * jnp.cos(beta), -jnp.sin(beta), jnp.sin(x.alpha) * jnp.cos(beta)])
 
 
+def winds(x: Controls) -> Float[Array, "h 3"]:
+    """`wind` of every half."""
+    return jnp.stack([wind(x, side) for side in sides(x)])
+
+
 def onset(points: Float[Array, "*p 3"], x: Controls, at: Setting, side: float = 1.0) -> Float[Array, "*p 3"]:
     """Free stream and rotation over the flight speed, as a half sees them: V - omega x r.
 
@@ -224,15 +240,15 @@ def both_parts(values: list[Array]) -> tuple[Array, Array | None]:
     return (values[0] + values[1]) / 2, (values[0] - values[1]) / 2
 
 
-def circulation(at: Setting, x: Controls, extra: Float[Array, "h n 3"] | None = None) -> Float[Array, "h n"]:
-    """Ring circulations with the velocity ``extra`` at the collocation points, if any."""
+def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Array, "h n"]:
+    """Ring circulations in the stream and in slipstreams, if any."""
     lattice, halves = at.system.lattice, sides(x)
     if lattice is None:
         return jnp.zeros((len(halves), 0))
     needed = []
     for i, side in enumerate(halves):
         normal = normals(lattice, x.delta, side)
-        wash = _wash(at, x, extra, i, side)
+        wash = _wash(at, x, jets, i, side)
         if at.system.slender is not None:
             field, (w, v) = at.system.slender.field, crossflow(body_motion(x, at, side), lattice.collocation[:, 0])
             wash = field.shield[:, None] * wash + w[:, None] * field.by_w + v[:, None] * field.by_v
@@ -242,12 +258,14 @@ def circulation(at: Setting, x: Controls, extra: Float[Array, "h n 3"] | None = 
     return solve_halves(lattice, *needed)
 
 
-def _wash(at: Setting, x: Controls, extra: Array | None, i: int, side: float) -> Float[Array, "n 3"]:
-    """Velocity at the collocation points of a half but for the lattice's own and the body's."""
+def _wash(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> Float[Array, "n 3"]:
+    """Velocity that the panels of a half answer to, but for the lattice's own and the body's."""
     lattice = at.system.lattice
     assert lattice is not None
     wash = onset(lattice.collocation, x, at, side)
-    return wash if extra is None else wash + extra[i]
+    if jets is None:
+        return wash
+    return (1.0 + FINITE_JET * (jets.factor[i] - 1.0))[:, None] * (wash + jets.velocity[i])
 
 
 def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
@@ -256,13 +274,13 @@ def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
     return Crossflow(x.alpha, side * beta, 2.0 * x.q_hat / at.c, side * yaw, at.flow.point[0])
 
 
-def axis_upwash(at: Setting, x: Controls, extra: Array | None = None) -> Array | None:
+def axis_upwash(at: Setting, x: Controls, jets: Jets | None = None) -> Array | None:
     """Upwash of the surfaces at the axis of a slender fuselage, as they would be without it."""
     lattice, slender = at.system.lattice, at.system.slender
     if lattice is None or slender is None:
         return None
     needed = [
-        -jnp.sum(_wash(at, x, extra, i, side) * normals(lattice, x.delta, side), axis=-1)
+        -jnp.sum(_wash(at, x, jets, i, side) * normals(lattice, x.delta, side), axis=-1)
         for i, side in enumerate(sides(x))
     ]
     return slender.upwash @ solve(lattice.even, both_parts(needed)[0])
@@ -296,16 +314,17 @@ def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan 
     if plan is None or at.rotors is None:
         return Response(flat, circulation(at, x), None, None, axis_upwash(at, x))
     if at.system.lattice is None:
-        loads = _disk_loads(at.rotors, at, x, None, plan=plan, phi=phi)
+        loads = _disk_loads(at.rotors, at, x, None, None, plan=plan, phi=phi)
         wake = Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed)
         return Response(flat, circulation(at, x), loads, wake)
     lateral = len(sides(x)) == 2
     wake = Wake(*flat.reshape(2, _rotor_halves(plan, lateral), len(plan.groups), plan.radial))
-    extra = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across, lateral=lateral)
-    gamma = circulation(at, x, extra)
-    loads = _disk_loads(at.rotors, at, x, gamma, plan=plan, phi=phi)
+    washes = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across, winds=winds(x))
+    jets = Jets(jnp.sum(washes, axis=1), jet_factors(at.rotors, washes, at.system.lattice.chord, winds(x)))
+    gamma = circulation(at, x, jets)
+    loads = _disk_loads(at.rotors, at, x, gamma, wake, plan=plan, phi=phi)
     answer = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
-    return Response(answer, gamma, loads, wake, axis_upwash(at, x, extra))
+    return Response(answer, gamma, loads, wake, axis_upwash(at, x, jets))
 
 
 def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
@@ -350,12 +369,14 @@ def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: Rotor
     return root.flat - inverse @ miss
 
 
-def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, *, plan: RotorPlan, phi) -> RotorSolution:
-    """Rotors in the free stream, the rotation and the upwash of the surfaces."""
+def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wake, *, plan: RotorPlan, phi) -> RotorSolution:
+    """Rotors in the free stream, the rotation, the upwash of the surfaces and the slipstreams of other rotors."""
     points = disk_points(rotors, plan)
     halves = sides(x)[: _rotor_halves(plan, len(sides(x)) == 2)]
     stream = jnp.stack([onset(points, x, at, side) for side in halves])
     even, odd = at.system.disk_velocity
     if even is not None:
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
+    if wake is not None:
+        stream = stream + NEIGHBOURS * at_other_disks(rotors, plan, wake, points, winds=winds(x))[: len(halves)]
     return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)

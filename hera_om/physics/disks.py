@@ -7,6 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors
+from hera_om.physics.finite_jet import ROUND_JET, jet_factor
 from hera_om.physics.lattice import MIRROR
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import slipstream_velocity
@@ -81,6 +82,7 @@ def rotor_loads(
             n_blades=rotor.blades,
             density=flow.density,
             sound_speed=flow.sound_speed,
+            viscosity=flow.viscosity,
             sense=rotor.sense,
             tip_loss=plan.tip_loss,
             hub_loss=plan.hub_loss,
@@ -102,32 +104,33 @@ def mean_slipstreams(
     middles: Float[Array, "p 3"],
     spans: Float[Array, "p 3"],
     *,
-    lateral: bool = False,
-) -> Float[Array, "h p 3"]:
+    winds: Float[Array, "h 3"],
+) -> Float[Array, "h k p 3"]:
     """`slipstreams` averaged along segments given by middles and vectors, by Gauss's rule with three points.
 
     A strip is as wide as a good part of a disk. Sampled at one point, what a slipstream does to it would
     jump as edges of disks pass that point: noise of two drag counts on 32 strips, which an optimiser exploits.
     """
     at = jnp.concatenate([middles + t * spans for t in GAUSS_POINTS])
-    field = slipstreams(rotors, plan, wake, at, lateral=lateral)
-    each = field.reshape(field.shape[0], len(GAUSS_POINTS), *middles.shape)
-    return jnp.tensordot(each, jnp.asarray(GAUSS_WEIGHTS), axes=([1], [0]))
+    field = slipstreams(rotors, plan, wake, at, winds=winds)
+    each = field.reshape(*field.shape[:2], len(GAUSS_POINTS), *middles.shape)
+    return jnp.tensordot(each, jnp.asarray(GAUSS_WEIGHTS), axes=([2], [0]))
 
 
 def slipstreams(
-    rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"], *, lateral: bool = False
-) -> Float[Array, "h p 3"]:
-    """Velocity over the flight speed that all slipstreams add at ``points`` of the starboard half, or of each half.
+    rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"], *, winds: Float[Array, "h 3"]
+) -> Float[Array, "h k p 3"]:
+    """Velocity over the flight speed that each of k slipstreams adds at ``points`` of the starboard half, or of each.
 
-    The port half is the starboard one as the plane mirrors it, so a half's own slipstreams are seen at the
-    points and those of the other half at the mirrored points.
+    The port half is the starboard one as the plane mirrors it, so a half's own slipstreams, the first m, are seen
+    at the points and those of the other half at the mirrored points. ``winds`` are the directions of the free
+    stream as the halves see it.
     """
-    halves, m = wake.axial.shape[:2]
     r = blades(rotors, plan).r
     axes = shaft_axes(rotors.incidence)[:, 0]
 
-    def one(at, hub, axis, radius, r, axial, swirl, sense):
+    def one(at, hub, axis, radius, r, axial, swirl, sense, wind):
+        speed = axis @ wind
         return slipstream_velocity(
             at,
             hub=hub,
@@ -137,17 +140,46 @@ def slipstreams(
             v_axial=axial,
             v_swirl=swirl,
             sense=sense,
-            speed=1.0,
+            speed=speed,
             edge_width=EDGE_WIDTH * radius,
+            cross_stream=wind - speed * axis,
         )
 
     mirror, n = jnp.asarray(MIRROR), points.shape[0]
     both = jnp.concatenate([points, points * mirror])
-    fixed = (rotors.hub, axes, rotors.radius, r, rotors.sense)
-    hub, axis, radius, r, sense = (jnp.concatenate([v] * halves) for v in fixed)
-    axial, swirl = (v.reshape(halves * m, -1) for v in wake)
-    each = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0))(both, hub, axis, radius, r, axial, swirl, sense)
-    field = jnp.sum(each.reshape(halves, m, *each.shape[1:]), axis=1)
+    by_rotor = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0, None))
+    each = jnp.stack(
+        [
+            by_rotor(both, rotors.hub, axes, rotors.radius, r, axial, swirl, rotors.sense, wind)
+            for axial, swirl, wind in zip(*wake, winds, strict=False)
+        ]
+    )
+    own, other = each[:, :, :n], each[:, :, n:] * mirror
     if plan.sides == 1:  # rotors in the plane of symmetry have no image
-        return jnp.concatenate([field[:, :n], field[:, n:] * mirror])[: 2 if lateral else 1]
-    return field[:, :n] + field[::-1, n:] * mirror
+        return jnp.concatenate([own, other])[: len(winds)]
+    return jnp.concatenate([own, other[::-1]], axis=1)
+
+
+def at_other_disks(
+    rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "m nr npsi 3"], *, winds: Float[Array, "h 3"]
+) -> Float[Array, "h m nr npsi 3"]:
+    """Velocity over the flight speed at the disks of each half by the slipstreams of all rotors but a disk's own."""
+    field = slipstreams(rotors, plan, wake, points.reshape(-1, 3), winds=winds)
+    h, k = field.shape[:2]
+    each = field.reshape(h, k, points.shape[0], -1)
+    foreign = 1.0 - jnp.eye(k, points.shape[0])
+    total = jnp.sum(foreign[:, :, None] * each, axis=1)
+    return total.reshape(h, *points.shape)
+
+
+def jet_factors(
+    rotors: Rotors, washes: Float[Array, "h k p 3"], chord: Float[Array, " p"], winds: Float[Array, "h 3"]
+) -> Float[Array, "h p"]:
+    """What the finite height of the jets leaves of the circulation, see `finite_jet.jet_factor`.
+
+    Jets that overlap count as one after the other.
+    """
+    radius = jnp.tile(rotors.radius, washes.shape[1] // rotors.radius.shape[0])
+    ratio = 1.0 + jnp.einsum("hkpi,hi->hkp", washes, winds)
+    height = jnp.broadcast_to(ROUND_JET * radius[:, None] / chord, ratio.shape)
+    return jnp.prod(jet_factor(height, ratio), axis=1)

@@ -27,7 +27,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.geometry import Panels
 from hera_om.physics.layout import PLANE, SINGLE
-from hera_om.physics.vortex_kernel import FOUR_PI, ON_FILAMENT, Arms, Filaments, arms, half_line, segment
+from hera_om.physics.vortex_kernel import AT_END, FOUR_PI, ON_FILAMENT, Arms, Filaments, arms, half_line, segment
 
 # Points of a block: enough for long vector loops, few enough for its kernels to stay in the cache.
 BLOCK = 96
@@ -296,7 +296,7 @@ def _segments(q: Float[Array, "3 p"], a: Float[Array, "f 3"], b: Float[Array, "f
     length2 = jnp.sum((b - a) ** 2, axis=-1)[:, None]
     total, product = r1 + r2, r1 * r2
     denominator = product + (s1 + s2 - length2) / 2  # E / 2
-    away = denominator > ON_FILAMENT * product
+    away = (denominator > ON_FILAMENT * product) & (product > AT_END * length2)
     excess = jnp.where(away, 2.0 * denominator, 1.0)
     scale = jnp.where(away, 2.0 / (FOUR_PI * product * excess**2), 0.0)
     ratio = excess - 2.0 * total**2

@@ -53,6 +53,7 @@ class Lattice(NamedTuple):
 
     collocation: Float[Array, "n 3"]
     across: Float[Array, "2 n 3"]  # at each collocation point: middle of the strip, its width as a vector
+    chord: Float[Array, " n"]  # of each panel's strip, m
     normal: Float[Array, "n 3"]
     normal_hinge: Float[Array, "2 k n 3"]  # derivatives by each command: starboard, and port as the plane mirrors it
     points: Float[Array, "e 3"]  # points of attack of the filaments, in the order of `layout.Layout`
@@ -124,6 +125,9 @@ def assemble(
     lattice = Lattice(
         collocation,
         jnp.concatenate([s.across.reshape(2, -1, 3) for s in surfaces], axis=1),
+        jnp.concatenate(
+            [jnp.tile(s.strip_chord, rows) for s, (rows, _) in zip(surfaces, shapes(surfaces), strict=True)]
+        ),
         normal,
         jnp.concatenate([s.normal_hinge.reshape(2, s.normal_hinge.shape[1], -1, 3) for s in surfaces], axis=2)
         if surfaces[0].normal_hinge.shape[1]

@@ -1,8 +1,10 @@
-"""Forces of a solved lattice: Kutta-Joukowski on every loaded filament, strips, Trefftz plane."""
+"""Forces of a solved lattice: Kutta-Joukowski on every loaded filament, strips, panels, Trefftz plane."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from hera_om.physics.lattice import MIRROR, Lattice
@@ -48,6 +50,78 @@ def strip_loads(lattice: Lattice, plan: Layout, forces: Float[Array, "e 3"]) -> 
     force = collect(forces)
     about_origin = collect(jnp.cross(lattice.points, forces))
     return StripLoads(lattice.strip_point, force, about_origin - jnp.cross(lattice.strip_point, force))
+
+
+def axis_moments(
+    loads: StripLoads, through: Float[Array, "*s 3"], direction: Float[Array, "*s 3"]
+) -> Float[Array, " s"]:
+    """Moments of the strips about given axes: ``[M + (r - r0) x F] . e``, such as elastic axis or hinge line.
+
+    Args:
+        loads: forces, and moments about the quarter-chord points r.
+        through: a point r0 of each strip's axis, or one for all, m.
+        direction: of each axis, or of all, of any length; the moment is positive about it.
+
+    Returns:
+        Moments over dynamic pressure, m^3.
+    """
+    unit = direction / jnp.linalg.norm(direction, axis=-1, keepdims=True)
+    return jnp.sum((loads.moment + jnp.cross(loads.point - through, loads.force)) * unit, axis=-1)
+
+
+def panel_pressure(
+    plan: Layout, forces: Float[Array, "e 3"], cells: Sequence[Float[Array, "_ _ 3"]]
+) -> Float[Array, " n"]:
+    """Pressure below less above on the bound line of each panel over dynamic pressure, for pictures.
+
+    ``dCp = F . n / A``: to a panel belong its bound filament and half of the chordwise filaments on either side that
+    begin on it, so that the panels of a strip carry its load; no profile drag. The load of a bound filament is that
+    between the conditions ahead of it and behind it (a ring's circulation is that of the sheet down to its
+    condition), the first one's that from the leading edge on: A is that area, not the panel's.
+
+    Source: force over area as Katz & Plotkin, Low-Speed Aerodynamics 2e, section 12.3; the area: Lan, A
+    Quasi-Vortex-Lattice Method in Thin Wing Theory, J. Aircraft 11, 1974, where strengths are exact halfway between
+    conditions in the law's parameter.
+
+    Args:
+        plan: layout.
+        forces: on the filaments, see `filament_forces`.
+        cells: corner points of these areas on each surface, m, see `pressure_cells`.
+
+    Returns:
+        Pressure differences of all panels, in the order of the unknowns.
+    """
+    inner, outer = _panels_of(plan)
+    part = plan.share[:, None] * forces
+    force = jnp.zeros((sum(plan.counts), 3)).at[inner].add(part).at[outer].add(forces - part)
+    areas = [jnp.cross(m[1:, 1:] - m[:-1, :-1], m[:-1, 1:] - m[1:, :-1]).reshape(-1, 3) / 2 for m in cells]
+    area = jnp.concatenate(areas)
+    return jnp.sum(force * area, axis=-1) / jnp.sum(area**2, axis=-1)
+
+
+def pressure_cells(mesh: Float[Array, "nc1 ns1 3"], rear: Float[Array, " nc"] | np.ndarray) -> Array:
+    """Leading edge and lines through the conditions of a surface, m [nc + 1, ns + 1, 3].
+
+    Args:
+        mesh: corner points of the panels, m, see `geometry.surface_mesh`.
+        rear: where in its panel the condition stands, see `geometry.Grid`.
+
+    Returns:
+        Corner points of the areas whose load `panel_pressure` spreads.
+    """
+    return jnp.concatenate([mesh[:1], mesh[:-1] + jnp.asarray(rear)[:, None, None] * (mesh[1:] - mesh[:-1])])
+
+
+def _panels_of(plan: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Panels that each get a part of a filament's load, in the way of ``Layout.inner`` and ``Layout.outer``."""
+    parts, start = [], 0
+    for count, ns in zip(plan.counts, plan.strips, strict=True):
+        ring = start + np.arange(count).reshape(-1, ns)
+        ends = np.hstack([ring[:, :1], ring]), np.hstack([ring, ring[:, -1:]])
+        parts.append([np.concatenate([ring.ravel(), edge.ravel()]) for edge in ends])
+        start += count
+    inner, outer = (np.concatenate(side) for side in zip(*parts, strict=True))
+    return inner, outer
 
 
 def resultant(halves: list[StripLoads], plan: Layout, reference: Float[Array, " 3"]) -> tuple[Array, Array]:

@@ -1,51 +1,31 @@
 """Blade-element momentum theory by radius and azimuth, from reverse thrust through static to windmilling."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
-from hera_om.physics.section_polar import ScalarLike, SectionPolar, section_coefficients
+from hera_om.physics.blade_polar import PolarInFlow, flow_coefficients, lift_line, polar_in_flow
+from hera_om.physics.rotor_blade import SENSES as SENSES
+from hera_om.physics.rotor_blade import Blade as Blade
+from hera_om.physics.rotor_blade import azimuths as azimuths
+from hera_om.physics.rotor_blade import blade_elements as blade_elements
+from hera_om.physics.rotor_blade import element_points as element_points
+from hera_om.physics.rotor_blade import sense_sign as sense_sign
+from hera_om.physics.rotor_momentum import mass_flow, prandtl_loss
+from hera_om.physics.rotor_root import bracketed_root
+from hera_om.physics.section_polar import ScalarLike
+from hera_om.physics.stall_delay import delayed
 
 Field = Float[Array, "nr npsi"]
 Column = Float[Array, "nr 1"]
 
-BUHL_ONSET = 1.5**0.5
-"""Relative inflow where Buhl's line leaves momentum theory, at a = 0.4 (NREL/TP-500-36834, 2005)."""
-BUHL_SHAPE = (-0.392, 1.789)
-"""Shape of the bridge over the turbulent-wake state, fitted to Buhl's C_T to 0.04 over 0.4 < a < 1."""
-TURBULENT_WAKE = 1.0
-"""Share of that bridge in the mass flow; zero would leave plain momentum theory."""
-LEAST_MASS_FLOW = 1e-4
-"""Floor of the mass-flow ratio where neither inflow nor thrust moves air (regularisation)."""
-LEAST_LOSS = 1e-4
-"""Floor of the loss factor at the very tip and hub."""
 LEAST_SPEED = 1e-6
 """Local speed in m/s under which an element counts as being in still air."""
-ROOT_TOLERANCE, RESIDUAL_TOLERANCE = 1e-8, 1e-10
-"""Bracket width, rad, or residual at which the search stops; the Newton steps after it square the error."""
-ROOT_ITERATIONS = 80
-FIRST_STEP = 0.1
-"""First trial, rad from the undisturbed stream: the induced angle of a loaded propeller is of this size."""
 LEAST_SLOPE = 1e-8
-SENSES = {"inboard-up": -1.0, "outboard-up": 1.0}
-
-
-class Blade(NamedTuple):
-    """One blade as elements; station values and integration weights."""
-
-    r: Float[Array, " nr"]
-    """Radius of each element, m."""
-    dr: Float[Array, " nr"]
-    """Integration weight of each element, m."""
-    chord: Float[Array, " nr"]
-    """Chord, m."""
-    twist: Float[Array, " nr"]
-    """Blade angle relative to that at 75 % radius, rad."""
-    polar: SectionPolar
+"""Slope of the residual under which the implicit derivative is held back."""
 
 
 class RotorSolution(NamedTuple):
@@ -88,11 +68,12 @@ class _Elements(NamedTuple):
     flow_sine: Field
     flow_cosine: Field
     theta: Column
-    mach: Field
     solidity: Column
     tip_factor: Column
     hub_factor: Column
-    polar: SectionPolar
+    polar: PolarInFlow
+    delay: dict[str, Array] | None
+    """What ``stall_delay.delayed`` takes, or None without it."""
 
 
 class _Loading(NamedTuple):
@@ -106,107 +87,27 @@ class _Loading(NamedTuple):
     loss: Field
 
 
-def sense_sign(name: str, side: float) -> float:
-    """Sign of a rotor's angular velocity about the x axis, aft; +1 is anticlockwise seen from behind.
-
-    Inboard-up, the blade on the fuselage side moves up: -1 on the starboard wing, +1 on the port wing.
-
-    Arguments:
-        name: "inboard-up" or "outboard-up".
-        side: y of the hub or its sign, positive to starboard; a rotor on the centre line counts as starboard.
-
-    Raises:
-        ValueError: for another name.
-    """
-    if name not in SENSES:
-        raise ValueError(f"rotor sense {name!r}: expected one of {sorted(SENSES)}")
-    return SENSES[name] if side >= 0.0 else -SENSES[name]
-
-
-def azimuths(npsi: int) -> Float[Array, " npsi"]:
-    """Azimuth angles psi_j = 2 pi j / npsi, rad, from +y (starboard) towards +z (up)."""
-    return 2.0 * jnp.pi * jnp.arange(npsi) / npsi
-
-
-def element_points(r: Float[Array, " nr"], npsi: int) -> Float[Array, "nr npsi 3"]:
-    """Positions of the elements relative to the hub in shaft axes, m: where ``velocity`` is wanted."""
-    psi = azimuths(npsi)
-    radial = jnp.stack([jnp.zeros_like(psi), jnp.cos(psi), jnp.sin(psi)], axis=-1)
-    return r[:, None, None] * radial[None]
-
-
-def blade_elements(
-    radius: ScalarLike,
-    hub_radius: ScalarLike,
-    r_table: Float[Array, " nt"],
-    c_table: Float[Array, " nt"],
-    twist_table: Float[Array, " nt"],
-    *,
-    polar: SectionPolar,
-    n: int,
-) -> Blade:
-    """Blade of ``n`` equal elements at their mid-points from a table of geometry.
-
-    Piecewise linear in the table and continued linearly beyond its ends, so linear in the table's values.
-
-    Arguments:
-        radius: tip radius, m.
-        hub_radius: m.
-        r_table: radii over ``radius``, ascending.
-        c_table: chord over ``radius``.
-        twist_table: blade angle relative to that at 75 % radius, rad.
-        polar: numbers, or arrays over the ``n`` elements.
-        n: number of elements.
-    """
-    hub = hub_radius / radius
-    x = hub + (1.0 - hub) * (jnp.arange(n) + 0.5) / n
-    i = jnp.clip(jnp.searchsorted(r_table, x) - 1, 0, r_table.shape[0] - 2)
-    t = (x - r_table[i]) / (r_table[i + 1] - r_table[i])
-    chord = radius * (c_table[i] + t * (c_table[i + 1] - c_table[i]))
-    twist = twist_table[i] + t * (twist_table[i + 1] - twist_table[i])
-    return Blade(radius * x, jnp.full(n, (radius - hub_radius) / n), chord, twist, polar)
-
-
-def _turbulent_wake(xi: Field) -> Field:
-    """Bridge over -1 < xi < BUHL_ONSET, 1 at the middle, with two vanishing derivatives at both ends."""
-    x = jnp.clip(xi, -1.0, BUHL_ONSET)
-    shape = 1.0 + x * (BUHL_SHAPE[0] + x * BUHL_SHAPE[1])
-    return TURBULENT_WAKE * ((1.0 - x / BUHL_ONSET) * (1.0 + x)) ** 3 * shape
-
-
-def _mass_flow(sine: Field, thrust: Field, loss: Field) -> Field:
-    """Mass-flow ratio m = V' / W: |sin(phi)|, raised where the thrust opposes the stream (see
-    ``solve_rotor``).
-
-    ``thrust`` is sigma cn / 4F. The relative inflow xi = -sin(phi) sign(thrust) / sqrt|thrust| is at least
-    1.22 in the windmill state and at most -1 in the propeller state.
-    """
-    magnitude = jnp.abs(thrust)
-    bridged = magnitude > sine**2 / BUHL_ONSET**2
-    safe = jnp.where(bridged, magnitude, 1.0)
-    xi = -sine * jnp.sign(thrust) / jnp.sqrt(safe)
-    bridge = jnp.where(bridged, safe * _turbulent_wake(xi) / (2.0 * loss), 0.0)
-    return jnp.sqrt(sine**2 + bridge + LEAST_MASS_FLOW**2)
-
-
-def _loss(factor: Column, sine: Field) -> Field:
-    """Prandtl's factor 2/pi arccos(exp(-f)), f = factor / |sin(phi)|, after Glauert."""
-    f = factor / jnp.sqrt(sine**2 + LEAST_MASS_FLOW**2)
-    return jnp.maximum(2.0 / jnp.pi * jnp.arccos(jnp.exp(-jnp.maximum(f, LEAST_LOSS**2))), LEAST_LOSS)
+def _section(elements: _Elements, alpha: Field) -> tuple[Field, Field]:
+    """Lift and drag coefficients, with the stall delay where it is wanted."""
+    cl, cd = flow_coefficients(elements.polar, alpha)
+    if elements.delay is None:
+        return cl, cd
+    alpha = alpha - 2.0 * jnp.pi * jnp.round(lax.stop_gradient(alpha) / (2.0 * jnp.pi))
+    return delayed(cl, cd, alpha=alpha, lift_line=lift_line(elements.polar), **elements.delay)
 
 
 def _loading(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> _Loading:
     """Section coefficients, losses and mass flow at the inflow angle ``phi``."""
     sine, cosine = jnp.sin(phi), jnp.cos(phi)
-    cl, cd = section_coefficients(elements.polar, elements.theta - phi, elements.mach)
+    cl, cd = _section(elements, elements.theta - phi)
     normal, tangential = cl * cosine - cd * sine, cl * sine + cd * cosine
     loss = jnp.ones_like(phi)
     if losses[0]:
-        loss = loss * _loss(elements.tip_factor, sine)
+        loss = loss * prandtl_loss(elements.tip_factor, sine)
     if losses[1]:
-        loss = loss * _loss(elements.hub_factor, sine)
-    mass_flow = _mass_flow(sine, elements.solidity * normal / (4.0 * loss), loss)
-    return _Loading(sine, cosine, normal, tangential, mass_flow, loss)
+        loss = loss * prandtl_loss(elements.hub_factor, sine)
+    flow = mass_flow(sine, elements.solidity * normal / (4.0 * loss), loss)
+    return _Loading(sine, cosine, normal, tangential, flow, loss)
 
 
 def _residual(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> Field:
@@ -217,81 +118,29 @@ def _residual(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> Fie
     return load.mass_flow * turning - elements.solidity * lift / (4.0 * load.loss)
 
 
-class _Search(NamedTuple):
-    """State of Chandrupatla's search: newest point 1, other end 2 of the bracket, previous point 3."""
-
-    x1: Field
-    x2: Field
-    x3: Field
-    f1: Field
-    f2: Field
-    f3: Field
-    t: Field
-    iteration: Float[Array, ""]
-
-
-def _unfinished(s: _Search) -> Bool[Array, ""]:
-    wide = jnp.abs(s.x2 - s.x1) > ROOT_TOLERANCE
-    wrong = jnp.minimum(jnp.abs(s.f1), jnp.abs(s.f2)) > RESIDUAL_TOLERANCE
-    return jnp.any(wide & wrong) & (s.iteration < ROOT_ITERATIONS)
-
-
-def _interpolation(s: _Search) -> Field:
-    """Next fraction of the bracket: inverse quadratic where it is safe, else the middle."""
-
-    def ratio(a: Array, b: Array) -> Array:
-        return a / jnp.where(b == 0.0, 1.0, b)
-
-    xi, phi = ratio(s.x1 - s.x2, s.x3 - s.x2), ratio(s.f1 - s.f2, s.f3 - s.f2)
-    quadratic = ratio(s.f1, s.f2 - s.f1) * ratio(s.f3, s.f2 - s.f3)
-    quadratic += ratio(s.x3 - s.x1, s.x2 - s.x1) * ratio(s.f1, s.f3 - s.f1) * ratio(s.f2, s.f3 - s.f2)
-    t = jnp.where((phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi), quadratic, 0.5)
-    least = jnp.minimum(0.5, ratio(0.4 * ROOT_TOLERANCE * jnp.ones_like(t), jnp.abs(s.x2 - s.x1)))
-    return jnp.clip(t, least, 1.0 - least)
-
-
-def _bracketed_root(f: Callable[[Array], Array], centre: Field, reach: float) -> Field:
-    """Roots of ``f`` within ``reach`` of ``centre`` for all elements at once, on the side where the sign
-    changes.
-
-    ``f`` is negative at ``centre - reach`` and positive at ``centre + reach``, of order one: its values there
-    are not computed. Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
-    """
-
-    def step(s: _Search) -> _Search:
-        x = s.x1 + s.t * (s.x2 - s.x1)
-        fx = f(x)
-        same = jnp.sign(fx) == jnp.sign(s.f1)
-        x3, f3 = jnp.where(same, s.x1, s.x2), jnp.where(same, s.f1, s.f2)
-        x2, f2 = jnp.where(same, s.x2, s.x1), jnp.where(same, s.f2, s.f1)
-        new = _Search(x, x2, x3, fx, f2, f3, s.t, s.iteration + 1.0)
-        return new._replace(t=_interpolation(new))
-
-    f_centre = f(centre)
-    side = jnp.where(f_centre <= 0.0, 1.0, -1.0)
-    end, first = centre + side * reach, jnp.full_like(centre, FIRST_STEP / reach)
-    start = _Search(centre, end, end, f_centre, side, side, first, jnp.zeros(()))
-    found = lax.while_loop(_unfinished, step, start)
-    return jnp.where(jnp.abs(found.f1) <= jnp.abs(found.f2), found.x1, found.x2)
-
-
 def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field | None) -> Field:
-    """Inflow angle of every element, exact to second derivatives.
+    """Inflow angle of every element, with implicit derivatives of any order.
 
-    The root is found without derivatives, unless it is ``known``. Each of two Newton steps with the slope frozen
-    there then adds one exact order of the dependence on the parameters.
+    The root is found without derivatives, unless it is ``known``, and polished by two Newton steps.
     """
-    frozen = lax.stop_gradient(elements)
 
-    def mismatch(phi: Array) -> Array:
-        return _residual(phi, frozen, losses)
+    def mismatch(phi: Field) -> Field:
+        return _residual(phi, elements, losses)
 
-    if known is None:
-        known = _bracketed_root(mismatch, frozen.flow_angle, 0.5 * jnp.pi)
-    root = lax.stop_gradient(known)
-    slope = lax.stop_gradient(jax.jvp(mismatch, (root,), (jnp.ones_like(root),))[1])
-    slope = jnp.where(jnp.abs(slope) > LEAST_SLOPE, slope, LEAST_SLOPE)
-    return lax.fori_loop(0, 2, lambda _, phi: phi - _residual(phi, elements, losses) / slope, root)
+    def polished(function, start: Field) -> Field:
+        root = bracketed_root(function, start, 0.5 * jnp.pi) if known is None else start
+        slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
+        return lax.fori_loop(0, 2, lambda _, phi: phi - function(phi) / _safe(slope), root)
+
+    def divide(linear, right: Field) -> Field:
+        return right / _safe(linear(jnp.ones_like(right)))
+
+    start = lax.stop_gradient(elements.flow_angle if known is None else known)
+    return lax.custom_root(mismatch, start, polished, divide)
+
+
+def _safe(slope: Field) -> Field:
+    return jnp.where(jnp.abs(slope) > LEAST_SLOPE, slope, LEAST_SLOPE)
 
 
 def _resultant_speed(load: _Loading, solidity: Column, axial: Field, tangential: Field) -> Field:
@@ -325,20 +174,27 @@ def _elements(
     hub_radius: ScalarLike,
     n_blades: ScalarLike,
     sound_speed: ScalarLike,
+    kinematic_viscosity: ScalarLike | None,
+    tip_speed: ScalarLike | None,
 ) -> _Elements:
-    """Parameters of the elements in a stream that is nowhere at rest."""
-    r = _column(blade.r)
+    """Parameters of the elements in a stream that is nowhere at rest; stall delay where a tip speed is given."""
+    r, chord = _column(blade.r), _column(blade.chord)
     stream = jnp.sqrt(axial**2 + tangential**2)
+    reynolds = None if kinematic_viscosity is None else stream * chord / kinematic_viscosity
+    delay = None
+    if tip_speed is not None:
+        ratio = jnp.abs(tip_speed) / jnp.sqrt(axial**2 + jnp.square(tip_speed) + LEAST_SPEED**2)
+        delay = {"chord_ratio": chord / r, "radius_ratio": r / radius, "speed_ratio": ratio}
     return _Elements(
         flow_angle=jnp.arctan2(axial, tangential),
         flow_sine=axial / stream,
         flow_cosine=tangential / stream,
         theta=_column(blade.twist) + pitch,
-        mach=stream / sound_speed,
-        solidity=n_blades * _column(blade.chord) / (2.0 * jnp.pi * r),
+        solidity=n_blades * chord / (2.0 * jnp.pi * r),
         tip_factor=0.5 * n_blades * (radius - r) / r,
         hub_factor=0.5 * n_blades * (r - hub_radius) / hub_radius,
-        polar=jax.tree_util.tree_map(_column, blade.polar),
+        polar=polar_in_flow(blade.polar, stream / sound_speed, reynolds),
+        delay=delay,
     )
 
 
@@ -369,6 +225,8 @@ def solve_rotor(
     sense: ScalarLike,
     tip_loss: bool = True,
     hub_loss: bool = True,
+    stall_delay: bool = False,
+    viscosity: ScalarLike | None = None,
     phi: Float[Array, "nr npsi"] | None = None,
 ) -> RotorSolution:
     """Forces, moments and induced velocities of a rotor in any stream, by blade-element momentum theory.
@@ -398,7 +256,7 @@ def solve_rotor(
         velocity: air velocity relative to the hub at ``element_points(blade.r, npsi)``, shaft axes, without
             the rotor's own induction, m/s. ``npsi`` is at least 3.
         pitch: blade angle at 75 % radius, rad.
-        omega: angular speed, rad/s, not negative.
+        omega: angular speed, rad/s; negative where a rotor without torque is turned backwards.
         radius: tip radius, m.
         hub_radius: m.
         n_blades: number of blades.
@@ -407,6 +265,8 @@ def solve_rotor(
         sense: +1 or -1, see ``sense_sign``.
         tip_loss: Prandtl's factor at the tip on or off (static).
         hub_loss: the same at the hub.
+        stall_delay: delay of stall by rotation (static), see ``stall_delay``.
+        viscosity: of the air, Pa s; needed by a polar table over the Reynolds number.
         phi: inflow angles of a solution at these very values (``RotorSolution.phi``), or None to search for them.
 
     Returns:
@@ -416,7 +276,7 @@ def solve_rotor(
     propeller or windmill below the drag rise of its sections. A stopped rotor in still air gives zeros.
 
     Raises:
-        ValueError: when there are fewer than three azimuths.
+        ValueError: when there are fewer than three azimuths, or a polar needs the viscosity that is missing.
     """
     npsi = velocity.shape[1]
     if npsi < 3:
@@ -426,7 +286,8 @@ def solve_rotor(
     still = axial**2 + tangential**2 < LEAST_SPEED**2
     geometry = {"pitch": pitch, "radius": radius, "hub_radius": hub_radius, "n_blades": n_blades}
     moving = jnp.where(still, LEAST_SPEED, tangential)
-    elements = _elements(blade, axial, moving, sound_speed=sound_speed, **geometry)
+    air = {"sound_speed": sound_speed, "kinematic_viscosity": None if viscosity is None else viscosity / density}
+    elements = _elements(blade, axial, moving, tip_speed=omega * radius if stall_delay else None, **air, **geometry)
     phi = _inflow_angle(elements, losses, phi)
     load = _loading(phi, elements, losses)
     speed = _resultant_speed(load, elements.solidity, axial, tangential)
@@ -434,7 +295,7 @@ def solve_rotor(
     thrust_span, drag_span = pressure * load.normal, pressure * load.tangential
     force, moment = _hub_loads(blade, n_blades * thrust_span, n_blades * drag_span, sense)
     thrust, torque = -force[0], -sense * moment[0]
-    turning = jnp.asarray(omega, dtype=float) > 0.0
+    turning = jnp.asarray(omega, dtype=float) != 0.0
     turns = jnp.where(turning, omega, 1.0) / (2.0 * jnp.pi)
     unit = jnp.where(turning, density * turns**2 * (2.0 * radius) ** 4, jnp.inf)
     tip_speed = jnp.sqrt(jnp.mean(axial[-1]) ** 2 + (omega * radius) ** 2 + LEAST_SPEED**2)

@@ -1,13 +1,26 @@
-"""The velocity that a rotor's slipstream adds to the flow: a contracting tube with axial and swirl parts."""
+"""The velocity that a rotor adds to the flow: its slipstream, and what its disk draws in around it."""
 
+from typing import NamedTuple
+
+import jax
 import jax.numpy as jnp
+from jax.custom_derivatives import SymbolicZero
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from hera_om.physics.section_polar import ScalarLike, smoothstep, soft_clip
+from hera_om.physics.vortex_tube import disk_amplitudes, disk_velocity
 
-SWIRL_RISE = 0.1
-"""The swirl rises from nothing to its full value within this many radii ahead of and behind the disk
-(choice)."""
+DISK_CORE = 0.1
+"""The disk is a layer of this many radii ahead of and behind its plane, over which swirl and vorticity rise from
+nothing to all (choice); the field is exact outside it."""
+ENTRAINMENT = 1.0
+"""Share of the flow that the disk draws in, with which the axial velocity develops along the tube; zero leaves the
+developed tube alone."""
+SKEW = 1.0
+"""Share of the tube's turn towards the free stream."""
+CROSSFLOW = 1.0
+"""Share of the flow across a skewed tube."""
 HUB_BLEND = 0.25
 """The profiles fade to zero between 1 + and 1 - this fraction of the radius of the innermost element's
 inner edge."""
@@ -26,7 +39,7 @@ def _spline_curvatures(r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> 
     inner = jnp.arange(1, n - 1)
     matrix = jnp.eye(n).at[inner, inner].set((h[:-1] + h[1:]) / 3.0)
     matrix = matrix.at[inner, inner - 1].set(h[:-1] / 6.0).at[inner, inner + 1].set(h[1:] / 6.0)
-    right = jnp.zeros_like(values).at[inner].set(jnp.diff(rise, axis=0))
+    right = jnp.pad(jnp.diff(rise, axis=0), ((1, 1), (0, 0)))
     return jnp.linalg.solve(matrix, right)
 
 
@@ -60,17 +73,67 @@ def axial_development(x: Float[Array, "..."], radius: ScalarLike) -> Float[Array
     return x / jnp.sqrt(x**2 + radius**2)
 
 
-def contraction(kappa: Float[Array, "..."], v_mean: ScalarLike, speed: ScalarLike) -> Float[Array, "..."]:
+def loading(v_mean: ScalarLike, speed: ScalarLike) -> Float[Array, ""]:
+    """v / (V + v), limited softly for rotors that brake beyond a = 0.34."""
+    through = speed + v_mean
+    positive = jnp.abs(through) > 1e-9
+    ratio = jnp.where(positive, v_mean / jnp.where(positive, through, 1.0), 0.0)
+    return LOADING_CENTRE + LOADING_HALF_RANGE * soft_clip((ratio - LOADING_CENTRE) / LOADING_HALF_RANGE, 0.8)
+
+
+def contraction(kappa: Float[Array, "..."], disk_loading: ScalarLike) -> Float[Array, "..."]:
     """Radius of the stream tube over that at the disk, by continuity of the mean velocity V + v (1 + kappa).
 
-    ``(R_s / R)^2 = (V + v) / (V + v (1 + kappa)) = 1 / (1 + loading kappa)`` with ``loading = v / (V +
-    v)``, limited softly for rotors that brake beyond a = 0.34.
+    ``(R_s / R)^2 = (V + v) / (V + v (1 + kappa)) = 1 / (1 + loading kappa)``, see `loading`.
+    """
+    return 1.0 / jnp.sqrt(1.0 + disk_loading * kappa)
+
+
+def disk_layer(x: Float[Array, " n"], radius: ScalarLike) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    """Sign of x and distance from the disk, both rounded within ``DISK_CORE`` radii; there exact.
+
+    The sign is a quintic step, the distance its integral, 5/16 of the core at the disk.
+    """
+    core = DISK_CORE * radius
+    t = jnp.clip(0.5 * (x / core + 1.0), 0.0, 1.0)
+    rounded = core * (1.0 - 2.0 * t + t**4 * (10.0 + t * (4.0 * t - 12.0)))
+    return 2.0 * smoothstep(t) - 1.0, jnp.where(jnp.abs(x) < core, rounded, jnp.abs(x))
+
+
+def skew(
+    cross_stream: Float[Array, "3"] | ScalarLike, v_mean: ScalarLike, speed: ScalarLike
+) -> Float[Array, "3"] | Float[Array, ""]:
+    """Slope of the tube's centre line from the shaft towards the stream: tan(chi) = V_cross / (V + v).
+
+    Source: Coleman, Feingold and Stempin, NACA ARR L5E10 (1945); Glauert's momentum theory of the inclined disk.
     """
     through = speed + v_mean
     positive = jnp.abs(through) > 1e-9
-    loading = jnp.where(positive, v_mean / jnp.where(positive, through, 1.0), 0.0)
-    limited = soft_clip((loading - LOADING_CENTRE) / LOADING_HALF_RANGE, 0.8)
-    return 1.0 / jnp.sqrt(1.0 + (LOADING_CENTRE + LOADING_HALF_RANGE * limited) * kappa)
+    return SKEW * jnp.where(positive, cross_stream / jnp.where(positive, through, 1.0), 0.0)
+
+
+def crossflow(s2: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
+    """Velocity across a long skewed tube over the axial one at the disk: slope inside, a doublet's outside.
+
+    The rings stay parallel to the disk and blow along the shaft, 2 (axis - slope) seen from the tube; its walls
+    hold back half of the part across. With s = r / R and the unit vector e away from the centre line, the field of a
+    uniform tube is slope for s < 1 and (slope - 2 (slope . e) e) / s^2 for s > 1; here its wall is rounded,
+
+        u = (1 + s^8)^(-1/4) slope - 2 s^8 (1 + s^8)^(-5/4) (slope . e) e .
+
+    Source: the transversely magnetised cylinder, any text on potential theory; the momentum across the stream is so
+    shared in halves between tube and surroundings, as in Ribner, NACA Report 820 (1945).
+
+    Arguments:
+        s2: square of the distance from the centre line over R.
+
+    Returns:
+        Factors of slope, and of (slope . s e) s e.
+    """
+    s4 = s2**2
+    wall = 1.0 / (1.0 + s4**2)
+    fall = jnp.sqrt(jnp.sqrt(wall))
+    return fall, -2.0 * s2 * s4 * wall * fall
 
 
 def slipstream_velocity(
@@ -85,22 +148,25 @@ def slipstream_velocity(
     sense: ScalarLike,
     speed: ScalarLike,
     edge_width: ScalarLike,
+    cross_stream: Float[Array, "3"] | ScalarLike = 0.0,
 ) -> Float[Array, "n 3"]:
-    """Velocity that a rotor's slipstream adds to the flow at ``points``.
+    """Velocity that a rotor adds to the flow at ``points``: the mean flow of its vortex system.
 
-    With x the distance behind the disk along ``axis``, kappa = x / sqrt(x^2 + R^2), R_s(x) the radius of
-    the stream tube by continuity and r_d = r R / R_s the radius at which a point's air passed the disk,
+    The tangential vorticity of a loaded disk forms concentric semi-infinite tubes, each as strong as the axial
+    velocity changes across it. Their flow is that of a tube of air and of a disk of sinks,
 
-        axial  v_axial(r_d) (1 + kappa),    swirl  2 v_swirl(r_d) (R / R_s) H(x),
+        u = 2 v_axial(r_d) H(x) axis + u_disk(x, r),    swirl  2 v_swirl(r_d) (R / R_s) H(x),
 
-    so the axial velocity doubles far behind, and r v_t is conserved along the tube. H rises from 0 to 1 over
-    ``+-SWIRL_RISE`` radii about the disk. Outside the tube there is nothing: the entrained flow there and
-    ahead of the disk beyond the (widening) tube is small and left out, as is any deflection of the tube.
+    with x the distance behind the disk, H the step at the disk, R_s(x) the radius of the stream tube by
+    continuity and r_d = r R / R_s the radius at which a point's air passed the disk; r is taken from the tube's
+    centre line, which leaves the hub along the shaft's axis plus `skew`. u_disk is -v_axial just behind the disk
+    and +v_axial just ahead: the velocity at the disk is v_axial, doubles behind, and on the axis of a uniform disk
+    grows as 1 + x / sqrt(x^2 + R^2). Off the disk it is free of divergence and of vorticity and falls off as a
+    sink's. Tip and root vortices leave no swirl ahead of the disk or outside the tube. In a stream at an angle to
+    the shaft the walls of the skewed tube add v_mean (1 + x / sqrt(x^2 + R^2)) / 2 times `crossflow`.
 
-    Source: axial development of the semi-infinite vortex cylinder, McCormick, Aerodynamics of V/STOL Flight
-        (1967),
-    as used by Veldhuis, PhD thesis, TU Delft (2005); swirl by conservation of angular momentum, Glauert
-    (1935).
+    Source: Branlard and Gaunaa, Wind Energy 18 (2015) 1973-1987 (tubes, root vortex); Conway, Journal of Fluid
+    Mechanics 297 (1995) 327-355 (radial load); McCormick, Aerodynamics of V/STOL Flight (1967) (contraction).
 
     Arguments:
         points: where, m.
@@ -114,24 +180,101 @@ def slipstream_velocity(
         speed: axial speed of the undisturbed stream at the disk, m/s.
         edge_width: width, m at the disk, over which the profile goes to zero, centred on the edge of the
             tube by a quintic step.
+        cross_stream: velocity of the undisturbed stream across the shaft, m/s.
 
     Returns:
         Velocity in the axes of ``points``, m/s; twice differentiable in every argument.
 
-    Validity: thrusting or lightly braking rotors (see ``contraction``); a stream nearly along the axis.
+    Validity: thrusting or lightly braking rotors (see ``contraction``); contraction and skew to first order, for
+    v_axial up to about half the speed and streams within 20 degrees of the shaft.
     """
-    offset = points - hub
+    v_mean = disk_mean(r, v_axial, radius)
+    slope = jnp.broadcast_to(skew(cross_stream, v_mean, speed), (3,))
+    half = 0.5 * (r[1] - r[0])
+    amplitudes = ENTRAINMENT * disk_amplitudes(jnp.append(r - half, r[-1] + half), v_axial, radius)
+    place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense)))
+    strength = _Strength(jnp.stack([v_axial, v_swirl], axis=1), amplitudes, CROSSFLOW * 0.5 * v_mean * slope)
+    return _flow(place, _Shape(loading(v_mean, speed), slope), strength)
+
+
+class _Place(NamedTuple):
+    """Where the rotor and the points are, and the sense of rotation."""
+
+    points: Array
+    hub: Array
+    axis: Array
+    radius: Array
+    r: Array
+    edge_width: Array
+    sense: Array
+
+
+class _Shape(NamedTuple):
+    """Contraction and skew of the tube."""
+
+    loading: Array
+    slope: Array
+
+
+class _Strength(NamedTuple):
+    """What the flow is linear in."""
+
+    profiles: Array  # axial and swirl velocity at the disk
+    amplitudes: Array  # of the sinks
+    push: Array  # across the tube
+
+
+@jax.custom_jvp
+def _flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array, "n 3"]:
+    """The velocity of `slipstream_velocity`; its rule costs little for many derivatives by the strength at once."""
+    return _raw_flow(place, shape, strength)
+
+
+def _flow_rule(primals, tangents):
+    """Linear in the strength; slopes by the four numbers of the shape once for all; the place only where it moves."""
+    place, shape, strength = primals
+    is_zero = [isinstance(t, SymbolicZero) for t in tangents[0]]
+    d_place, d_shape, d_strength = (
+        type(p)(*[jnp.zeros_like(v) if isinstance(t, SymbolicZero) else t for v, t in zip(p, d, strict=True)])
+        for p, d in zip(primals, tangents, strict=True)
+    )
+    numbers, unravel = ravel_pytree(shape)
+    slopes = jax.jacfwd(lambda v: _raw_flow(place, unravel(v), strength))(numbers)
+    change = _raw_flow(place, shape, d_strength) + slopes @ ravel_pytree(d_shape)[0]
+    if not all(is_zero):
+        change = change + jax.jvp(lambda p: _raw_flow(p, shape, strength), (place,), (d_place,))[1]
+    return _raw_flow(place, shape, strength), change
+
+
+_flow.defjvp(_flow_rule, symbolic_zeros=True)
+
+
+def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array, "n 3"]:
+    axis, radius, slope, push = place.axis, place.radius, shape.slope, strength.push
+    offset = place.points - place.hub
     x = offset @ axis
     radial = offset - x[:, None] * axis
-    distance = jnp.sqrt(jnp.sum(radial**2, axis=1) + (AXIS_CORE * radius) ** 2)
+    r2 = jnp.sum(radial**2, axis=1)
+    sign, distance = disk_layer(x, radius)
     kappa = axial_development(x, radius)
-    narrowing = contraction(kappa, disk_mean(r, v_axial, radius), speed)
-    r_disk = distance / narrowing
+    narrowing = contraction(kappa, shape.loading)
+    # The vector from the centre line is radial - x slope: only its products with vectors are formed.
+    inner2 = r2 - x * (2.0 * radial @ slope - x * (slope @ slope)) + (AXIS_CORE * radius) ** 2
+    from_centre = jnp.sqrt(inner2)
+    tube = _tube_profile(from_centre / narrowing, place.r, radius, place.edge_width, strength.profiles)
+    along, inward = disk_velocity(distance, r2, radius, amplitudes=strength.amplitudes)
+    axial = tube[:, 0] * (1.0 + sign) + sign * along
+    swirl = place.sense * tube[:, 1] * (1.0 + sign) / narrowing / from_centre
+    across, outward = crossflow(inner2 / radius**2)
+    outward = (1.0 + kappa) * outward * (radial @ push - x * (slope @ push)) / radius**2
+    parts = [axial, inward + outward, swirl, (1.0 + kappa) * across, -x * outward, -x * swirl]
+    vectors = [axis, radial, jnp.cross(axis, radial), push, slope, jnp.cross(axis, slope)]
+    return sum((part[:, None] * vector for part, vector in zip(parts, vectors, strict=True)), jnp.zeros(3))
+
+
+def _tube_profile(r_disk, r, radius, edge_width, values: Float[Array, "nr k"]) -> Float[Array, "n k"]:
+    """Profiles given at ``r``, fading to zero at the hub and at the edge."""
     hub_edge = r[0] - 0.5 * (r[1] - r[0])
     inner = smoothstep((r_disk / hub_edge - 1.0 + HUB_BLEND) / (2.0 * HUB_BLEND))
     outer = 1.0 - smoothstep((r_disk - radius) / edge_width + 0.5)
-    profile = _profile(r_disk, r, jnp.stack([v_axial, v_swirl], axis=1)) * (inner * outer)[:, None]
-    axial = profile[:, 0] * (1.0 + kappa)
-    rise = smoothstep(0.5 * (x / (SWIRL_RISE * radius) + 1.0))
-    swirl = sense * 2.0 * profile[:, 1] * rise / narrowing / distance
-    return axial[:, None] * axis + swirl[:, None] * jnp.cross(axis, radial)
+    return _profile(r_disk, r, values) * (inner * outer)[:, None]

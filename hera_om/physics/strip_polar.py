@@ -58,7 +58,7 @@ class StripState(NamedTuple):
 
     alpha: Float[Array, " s"]  # effective incidence, rad; analytic polar: from zero lift
     cd: Float[Array, " s"]
-    cm: Float[Array, " s"]  # about the quarter chord as in the table, inviscid share included; analytic: 0
+    cm: Float[Array, " s"]  # about the quarter chord as in the table; analytic: 0. Not applied, see `strip_state`
     cl: Float[Array, " s"]  # of the section in viscous flow at that incidence; analytic: as given
     margin: Float[Array, " s"]  # least distance of the strip's cl from either end of attached flow
     outside: Float[Array, " s"]  # largest distance from the table over the table's length; 0 inside
@@ -190,7 +190,8 @@ def strip_state(polar: StripPolar | StripTable, cl, reynolds, *, mach: Number) -
         StripState.
 
     Valid in attached flow; outside the table by linear continuation, which ``outside`` reports. The lift of
-    the lattice is not corrected by the table's.
+    the lattice is not corrected by the table's, nor is its moment: ``cm`` holds the inviscid share of the camber that
+    the lattice has already, on a section that need not be the lattice's.
     """
     slope = lift_slope(mach)
     if not isinstance(polar, StripTable):

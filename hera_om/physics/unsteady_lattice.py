@@ -1,4 +1,4 @@
-"""Oscillating lattice in symmetric flow: plunge-rate derivatives, and motions of any reduced frequency.
+"""Oscillating lattice: plunge-rate derivatives up and sideways, and symmetric motions of any reduced frequency.
 
 Circulations oscillate as exp(i w t); the wake of a strip carries Gamma_TE(t - xi / V), xi behind the trailing
 edge. The lattice goes on into the wake: the circulation of a ring belongs to the collocation point of its
@@ -45,7 +45,10 @@ Number = Float[Array, ""] | float
 
 
 class UnsteadyLoads(NamedTuple):
-    """Circulations over flight speed and forces over dynamic pressure of the starboard half."""
+    """Circulations over flight speed and forces over dynamic pressure of the starboard half.
+
+    Half of the force on a surface in the plane of symmetry belongs to it.
+    """
 
     gamma: Inexact[Array, " n"]  # m
     filaments: Inexact[Array, "e 3"]  # Kutta-Joukowski, at `Lattice.points`, m^2
@@ -59,49 +62,58 @@ def plunge_rate(
     plan: Layout,
     *,
     gamma: Float[Array, " n"],
-    gamma_alpha: Float[Array, " n"],
+    gamma_by: Float[Array, " n"],
     velocity: Float[Array, "e 3"],
     mach: Number,
-    c: Number,
+    length: Number,
+    odd: bool = False,
 ) -> UnsteadyLoads:
-    """Derivatives by alphadot c / 2V in pure plunging (incidence changes, no pitch rate), first order in frequency.
+    """Derivatives by alphadot l / 2V or betadot l / 2V in pure plunging, up or sideways: axes that do not turn.
 
-    With A the steady matrix, W the wash of wakes that grow linearly, x the places of the collocation points, to
-    which the circulations belong as well, and m = M^2 / beta^2,
+    To first order in the frequency. With A the steady matrix, W the wash of wakes that grow linearly, Gamma_a the
+    circulations' derivatives by the angle, x the places of the collocation points, to which the circulations belong
+    as well, and m = M^2 / beta^2,
 
-        A Gamma_1 = (1 + m) W Gamma_alpha - m (x A - A x) Gamma_alpha .
+        A Gamma_1 = (1 + m) W Gamma_a - m (x A - A x) Gamma_a .
+
+    Sideways the flow is reversed by the plane of symmetry: A and W are those of the reversed half.
 
     The next term is k^2 log k: the derivatives exist in three dimensions only and grow with the logarithm of
-    the aspect ratio. Slipstreams act through ``gamma``, ``gamma_alpha`` and ``velocity``; the wake travels with
-    the flight speed.
+    the aspect ratio. Slipstreams act through ``gamma``, ``gamma_by`` and ``velocity``; the wake travels with
+    the flight speed. The mean flow is its mirrored part.
 
     Args:
-        lattice: factorised steady lattice; its mirrored half is used.
+        lattice: factorised steady lattice; its mirrored half is used, or its reversed one.
         surfaces: panels of all its surfaces.
         plan: layout of its filaments.
-        gamma: circulations, m.
-        gamma_alpha: their derivatives by the incidence, m.
-        velocity: local velocity over flight speed at the filaments, own induction included.
+        gamma: circulations of the mean flow, m.
+        gamma_by: derivatives by the incidence, or by the sideslip, m.
+        velocity: local velocity over flight speed at the filaments in the mean flow, own induction included.
         mach: Mach number, below 1.
-        c: reference chord, m.
+        length: reference chord, or span, m.
+        odd: whether it plunges sideways.
 
     Returns:
         UnsteadyLoads, each a derivative.
     """
-    half, beta = lattice.even, prandtl_glauert(jnp.asarray(mach))
+    half, beta = lattice.odd if odd else lattice.even, prandtl_glauert(jnp.asarray(mach))
+    assert half is not None, "sideways plunging needs the reversed half"
     m = COMPRESSIBLE_PHASE * (mach / beta) ** 2
     n, x = lattice.collocation.shape[0], lattice.collocation[:, 0]
     everywhere = jnp.concatenate([lattice.collocation, lattice.points])
-    late = WAKE_LAG * (1.0 + m) * _late_wash(everywhere, surfaces, gamma_alpha[plan.last], beta)
-    needed = jnp.sum(lattice.normal * late[:n], axis=-1) - m * x * (half.matrix @ gamma_alpha)
+    shed = gamma_by[plan.last] * (plan.weight if odd else 1.0)  # a wake in the plane is its own image
+    late = WAKE_LAG * (1.0 + m) * _late_wash(everywhere, surfaces, shed, beta, -1.0 if odd else 1.0)
+    needed = jnp.sum(lattice.normal * late[:n], axis=-1) - m * x * (half.matrix @ gamma_by)
     answer = solve(half, needed)
-    change = answer + m * x * gamma_alpha
-    wash = half.velocity @ answer + m * lattice.points[:, :1] * (half.velocity @ gamma_alpha) - late[n:]
-    old, new = (filament_strengths(plan, g)[:, None] for g in (gamma, change))
-    filaments = 2.0 * jnp.cross(new * velocity + old * wash, lattice.arms)
+    change = answer + m * x * gamma_by
+    wash = half.velocity @ answer + m * lattice.points[:, :1] * (half.velocity @ gamma_by) - late[n:]
+    old, new = filament_strengths(plan, gamma), filament_strengths(plan, change, change if odd else None)
+    filaments = 2.0 * jnp.cross(new[:, None] * velocity + old[:, None] * wash, lattice.arms)
     areas, points = _impulse(surfaces)
-    added = APPARENT_MASS * 2.0 * _owned(gamma_alpha, plan) * areas
-    scale = 2.0 / c
+    added = APPARENT_MASS * 2.0 * _owned(gamma_by, plan) * areas
+    share = jnp.asarray(plan.weight)[:, None]
+    filaments, added = share[plan.inner] * filaments, share[added_strips(plan)] * added
+    scale = 2.0 / length
     return UnsteadyLoads(scale * change, scale * filaments, scale * added, points)
 
 
@@ -158,12 +170,15 @@ def oscillate(
 
 
 def unsteady_resultant(
-    lattice: Lattice, loads: UnsteadyLoads, reference: Float[Array, " 3"]
+    lattice: Lattice, loads: UnsteadyLoads, reference: Float[Array, " 3"], odd: bool = False
 ) -> tuple[Inexact[Array, " 3"], Inexact[Array, " 3"]]:
-    """Force (m^2) and moment (m^3) about ``reference`` of both halves: y force and x, z moments cancel."""
+    """Force (m^2) and moment (m^3) about ``reference`` of both halves: y force and x, z moments cancel.
+
+    ``odd``: of reversed flow, where these remain and the others cancel.
+    """
     forces = jnp.concatenate([loads.filaments, loads.added])
-    arms = jnp.concatenate([lattice.points, loads.added_points]) - reference
-    keep = jnp.asarray([2.0, 0.0, 2.0])
+    arms = jnp.concatenate([lattice.points, loads.added_points]) - reference * jnp.asarray([1.0, 0.0, 1.0])
+    keep = jnp.asarray([0.0, 2.0, 0.0] if odd else [2.0, 0.0, 2.0])
     return keep * jnp.sum(forces, axis=0), (2.0 - keep) * jnp.sum(jnp.cross(arms, forces), axis=0)
 
 
@@ -228,14 +243,19 @@ def _wake(surfaces: Sequence[Panels]) -> _Wake:
     return _Wake(jnp.concatenate(left, axis=1), jnp.concatenate(right, axis=1), jnp.concatenate(pitch))
 
 
-def _both_halves(points, beta, velocity):
-    """Velocities of the starboard wakes and their images; ``velocity`` takes points of the stretched space."""
+def _both_halves(points, beta, velocity, sign=1.0):
+    """Velocities of the starboard wakes and their images (``sign`` -1: in reversed flow).
+
+    ``velocity`` takes points of the stretched space.
+    """
     mirror, stretch = jnp.asarray(MIRROR), jnp.stack([1.0 / beta, jnp.ones_like(beta), jnp.ones_like(beta)])
     own, image = jnp.split(velocity(jnp.concatenate([points, points * mirror]) * stretch, stretch) * stretch, 2)
-    return own + image * mirror
+    return own + sign * image * mirror
 
 
-def _late_wash(points, surfaces: Sequence[Panels], strength: Float[Array, " s"], beta) -> Float[Array, "p 3"]:
+def _late_wash(
+    points, surfaces: Sequence[Panels], strength: Float[Array, " s"], beta, sign: float
+) -> Float[Array, "p 3"]:
     """Velocity of wakes whose strength is that of their strip times the distance behind its last circulation."""
     wake = _wake(surfaces)
 
@@ -245,7 +265,7 @@ def _late_wash(points, surfaces: Sequence[Panels], strength: Float[Array, " s"],
         vortices = jnp.einsum("psi,s->pi", step(p, left[:-1].reshape(-1, 3), right[:-1].reshape(-1, 3)), jumps)
         return vortices + jnp.einsum("psi,s->pi", ramp(p, left[-1], right[-1]), beta * strength)
 
-    return _both_halves(points, beta, velocity)
+    return _both_halves(points, beta, velocity, sign)
 
 
 def _oscillating_wash(points, surfaces: Sequence[Panels], lag, beta) -> Complex[Array, "p s 3"]:

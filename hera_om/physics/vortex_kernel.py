@@ -20,6 +20,8 @@ from jaxtyping import Array, Float
 FOUR_PI = 4 * jnp.pi
 # A point closer to the line of a filament than this angle (squared, rad^2) is on it: no self velocity.
 ON_FILAMENT = 1e-8
+# A point closer to an end of a filament than this part of its length is on it too, whatever rounding says.
+AT_END = 1e-10
 # Core of the wake filaments (m): keeps a point that a filament passes through finite.
 WAKE_CORE = 1e-4
 
@@ -93,7 +95,7 @@ def segment(r1: Array, r2: Array, s1: Array, s2: Array, length2: Array) -> Array
     """
     product = r1 * r2
     denominator = product + (s1 + s2 - length2) / 2
-    on_line = denominator <= ON_FILAMENT * product
+    on_line = (denominator <= ON_FILAMENT * product) | (product <= AT_END * length2)
     safe = jnp.where(on_line, 1.0, denominator * product)
     return jnp.where(on_line, 0.0, (r1 + r2) / (FOUR_PI * safe))
 
@@ -110,7 +112,7 @@ def half_line(x: Array, h2: Array, r: Array) -> Array:
         K = 1 / (4 pi r (r - x)), 1/m^2.
     """
     behind = x > 0
-    ahead = jnp.where(behind, 1.0, r * (r - x))
+    ahead = jnp.where(behind, 1.0, jnp.maximum(r * (r - x), WAKE_CORE**2))
     return jnp.where(behind, (r + x) / (r * (h2 + WAKE_CORE**2)), 1.0 / ahead) / FOUR_PI
 
 

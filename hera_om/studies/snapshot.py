@@ -8,6 +8,7 @@ import openmdao.api as om
 from hera_om.aircraft import Aircraft, replace_numbers
 from hera_om.components import arrays
 from hera_om.components.aero import Aerodynamics
+from hera_om.physics.geometry import surface_mesh
 from hera_om.studies.values import collect
 
 BOX = (
@@ -39,7 +40,7 @@ def at_design(aircraft: Aircraft, values: dict[str, Any]) -> Aircraft:
 
 
 def _arrays(aircraft: Aircraft, design: Aircraft, values: dict[str, Any]) -> dict[str, Any]:
-    """Planform, rotors, span loads with and without slipstream, wing box, masses."""
+    """Planform, rotors, span loads with and without slipstream, pressures, wing box, masses."""
     out: dict[str, Any] = {"mass_items": _items(design, values)}
     if design.wing is not None:
         sections = arrays.wing_arrays(design)
@@ -50,11 +51,13 @@ def _arrays(aircraft: Aircraft, design: Aircraft, values: dict[str, Any]) -> dic
         out["htail_outline"] = _outline(
             next(arrays.sections_of(s) for s in arrays.parts(design, False) if s.name == "htail")
         )
+    if arrays.parts(design, False):
+        out["pressure"] = panel_pressures(aircraft, design, values)
     rotors = arrays.rotors(design)
     if rotors is not None:
         out["rotors"] = np.column_stack([rotors.hub, rotors.radius]).tolist()
         if design.wing is not None:
-            out["cl_span_off"] = _without_rotors(aircraft, values)
+            out["cl_span_off"] = _without_rotors(aircraft, values).get_val("cl_span").tolist()
     if "box_y" in values:
         y = np.asarray(values["box_y"])
         out["box"] = {k: values[k] for k in BOX if k in values}
@@ -84,16 +87,44 @@ def _items(design: Aircraft, values: dict[str, Any]) -> dict[str, float]:
     return out
 
 
-def _without_rotors(aircraft: Aircraft, values: dict[str, Any]) -> list[float]:
-    """Section lift of the same state with the rotors taken off."""
+def panel_pressures(aircraft: Aircraft, design: Aircraft, values: dict[str, Any]) -> list[dict[str, Any]]:
+    """Corner points of the panels of each surface, m, and the pressure differences on their bound lines.
+
+    Args:
+        aircraft: the definition, whose panels keep their shares.
+        design: the same at the design that the values belong to.
+        values: state and design variables.
+
+    Returns:
+        By surface ``name``, ``corners`` [nc + 1, ns + 1, 3], ``pressure`` [nc, ns] over dynamic pressure, positive
+        where it lifts; starboard half.
+    """
+    model: Any = _alone(aircraft, values).model
+    out, start, shape = [], 0, arrays.model(aircraft, False).shape
+    surfaces = arrays.surfaces(design, arrays.grids(aircraft))
+    for part, surface in zip(arrays.parts(design, False), surfaces, strict=True):
+        corners = np.asarray(surface_mesh(surface.sections, surface.grid, shape))
+        nc, ns = corners.shape[0] - 1, corners.shape[1] - 1
+        found = model.aero.pressure[0, start : start + nc * ns].reshape(nc, ns)
+        out.append({"name": part.name, "corners": corners.tolist(), "pressure": found.tolist()})
+        start += nc * ns
+    return out
+
+
+def _without_rotors(aircraft: Aircraft, values: dict[str, Any]) -> om.Problem:
+    """The same state with the rotors taken off."""
     kept = tuple(v for v in aircraft.variables if not v.path.startswith("rotor."))
     clean = tuple(d.model_copy(update={"rotor": None}) for d in aircraft.drag_area)
-    bare = aircraft.model_copy(update={"rotor": (), "drag_area": clean, "variables": kept})
+    return _alone(aircraft.model_copy(update={"rotor": (), "drag_area": clean, "variables": kept}), values)
+
+
+def _alone(aircraft: Aircraft, values: dict[str, Any]) -> om.Problem:
+    """The aerodynamics by themselves at these values."""
     problem = om.Problem(reports=False)
-    problem.model.add_subsystem("aero", Aerodynamics(aircraft=bare), promotes=["*"])
+    problem.model.add_subsystem("aero", Aerodynamics(aircraft=aircraft), promotes=["*"])
     problem.setup()
     known = {m["prom_name"] for m in problem.model.get_io_metadata(iotypes=("input",)).values()}
     for name in known & values.keys():
         problem.set_val(name, values[name])
     problem.run_model()
-    return problem.get_val("cl_span").tolist()
+    return problem

@@ -5,6 +5,7 @@ import pytest
 
 from hera_om.aircraft import loads
 from hera_om.components.aero import Aerodynamics
+from hera_om.components.aero_plan import AeroPlan
 
 HEAD = """name = "wing"
 reference = { S_m2 = 16.0, c_m = 2.0, b_m = 8.0, x_m = 0.5, y_m = 0.2, z_m = 0.0 }
@@ -68,3 +69,10 @@ def test_two_halves_are_the_whole_wing():
 def test_a_surface_without_an_image_needs_both_halves():
     with pytest.raises(ValueError, match="'plate' has no mirror image"):
         solved(WHOLE, lateral=False)
+
+
+def test_rates_by_which_coefficients_are_differentiated():
+    """By beta-dot in both halves only; by neither rate where a surface has no image."""
+    plans = AeroPlan(loads(HALVES)), AeroPlan(loads(HALVES), True), AeroPlan(loads(WHOLE), True)
+    rates = [tuple(by for by in plan.by if by.endswith("dot")) for plan in plans]
+    assert rates == [("alphadot",), ("alphadot", "betadot"), ()]

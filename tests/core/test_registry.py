@@ -46,6 +46,7 @@ def test_inputs_have_defaults_and_outputs_have_none():
         ("CL_alpha", "1/rad"),
         ("Cm_q", None),
         ("Cm_alphadot", None),
+        ("CY_betadot", None),
         ("Cm_delta_e", "1/rad"),
         ("CZ_delta_e", "1/rad"),
         ("CX_theta_hybrid", "1/rad"),

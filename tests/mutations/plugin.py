@@ -79,6 +79,60 @@ def _no_loss(old):
     return loss
 
 
+def _mid_width(old):
+    def span_weights(*args):
+        weights, middle = old(*args)
+        return weights, 0.0 * middle + 0.5
+
+    return span_weights
+
+
+def _unreversed(old):
+    def both_halves(points, beta, velocity, sign=1.0):
+        return old(points, beta, velocity)
+
+    return both_halves
+
+
+def _own_components(old):
+    def owners(surfaces, components, others):
+        return old(surfaces, range(len(components)), others)
+
+    return owners
+
+
+def _no_wake_angle(angle, beta):
+    return None
+
+
+def _untransferred(old):
+    def axis_moments(loads, through, direction):
+        return old(loads, loads.point, direction)
+
+    return axis_moments
+
+
+def _no_delay(old):
+    def delayed(cl, cd, **rest):
+        return cl, cd
+
+    return delayed
+
+
+def _no_swirl(old):
+    def resultant(load, solidity, *args):
+        return old(load._replace(tangential=0.0 * load.tangential), solidity, *args)
+
+    return resultant
+
+
+def _first_column(old):
+    def weights(knots, cells, x):
+        return jnp.zeros_like(old(knots, cells, x)).at[..., 0].set(1.0)
+
+    return weights
+
+
 def _nothing(old):
     return lambda *args: jax.tree.map(jnp.zeros_like, old(*args))
 
@@ -102,7 +156,7 @@ MUTATIONS = {
     ),
     "senses_swapped": Mutation(
         "names of the senses of rotation",
-        ("rotor:SENSES",),
+        ("rotor_blade:SENSES",),
         {"inboard-up": 1.0, "outboard-up": -1.0},
         BLOWN + "test_the_sense_of_rotation_decides_which_side_of_the_hub_is_lifted",
     ),
@@ -154,6 +208,52 @@ MUTATIONS = {
         ("unsteady_lattice:COMPRESSIBLE_PHASE",),
         0.0,
         PHYSICS + "test_unsteady_lattice.py::test_low_frequency_wash_is_that_of_acoustic_doublets",
+    ),
+    "apparent_mass_off_sideways": Mutation(
+        "apparent mass in beta-dot",
+        ("unsteady_lattice:APPARENT_MASS",),
+        0.0,
+        PHYSICS + "test_unsteady_lattice.py::test_slender_fin",
+    ),
+    "images_of_wakes_unreversed": Mutation(
+        "sign of the wakes' images in beta-dot",
+        ("unsteady_lattice:_both_halves",),
+        _unreversed,
+        PHYSICS + "test_unsteady_lattice.py::test_four_equal_wings_feel_both_rates_alike",
+        True,
+    ),
+    "conditions_at_mid_width": Mutation(
+        "conditions at the middle of the spanwise law",
+        ("geometry:span_weights",),
+        _mid_width,
+        PHYSICS + "test_lattice_order.py::test_order_along_the_span",
+        True,
+    ),
+    "wake_stays_along_x": Mutation(
+        "direction of a wake along the stream",
+        ("lattice:_direction",),
+        _no_wake_angle,
+        PHYSICS + "test_lattice_invariants.py::test_pitch_of_geometry_and_stream_together",
+    ),
+    "components_apart": Mutation(
+        "surfaces of one component without cores between them",
+        ("lattice:_owners",),
+        _own_components,
+        PHYSICS + "test_lattice_invariants.py::test_a_surface_split_in_two",
+        True,
+    ),
+    "pressure_over_panels": Mutation(
+        "area that the pressure of a bound line belongs to",
+        ("lattice_forces:pressure_cells",),
+        lambda mesh, rear: mesh,
+        PHYSICS + "test_lattice_forces.py::test_pressure_of_a_flat_plate",
+    ),
+    "axis_moments_untransferred": Mutation(
+        "transfer of strip moments to an axis",
+        ("lattice_forces:axis_moments",),
+        _untransferred,
+        PHYSICS + "test_lattice_forces.py::test_moments_about_any_axis_are_those_of_the_filaments",
+        True,
     ),
     "cores_off": Mutation(
         "cores of vortices between components, against AVL",
@@ -208,9 +308,50 @@ MUTATIONS = {
     ),
     "tip_loss_off": Mutation(
         "losses at tip and hub of the blade",
-        ("rotor:_loss",),
+        ("rotor:prandtl_loss",),
         _no_loss,
         PHYSICS + "test_rotor.py::test_ccblade_propeller",
+        True,
+    ),
+    "tip_loss_off_table": Mutation(
+        "losses at tip and hub of the blade, polar from a table",
+        ("rotor:prandtl_loss",),
+        _no_loss,
+        PHYSICS + "test_rotor_measured.py::test_ccblade_propeller_with_its_own_table",
+        True,
+    ),
+    "tip_loss_off_measured": Mutation(
+        "losses at tip and hub of the blade, against the wind tunnel",
+        ("rotor:prandtl_loss",),
+        _no_loss,
+        PHYSICS + "test_rotor_measured.py::test_naca_propeller[35-1.2-0.01-0.011]",
+        True,
+    ),
+    "rotor_swirl_off": Mutation(
+        "swirl in the resultant speed at the blade",
+        ("rotor:_resultant_speed",),
+        _no_swirl,
+        PHYSICS + "test_rotor.py::test_analytic_propeller",
+        True,
+    ),
+    "turbulent_wake_off": Mutation(
+        "turbulent wake state of a braking rotor",
+        ("rotor_momentum:TURBULENT_WAKE",),
+        0.0,
+        PHYSICS + "test_rotor.py::test_momentum_and_turbulent_wake_states",
+    ),
+    "stall_delay_off": Mutation(
+        "delay of stall by rotation",
+        ("rotor:delayed",),
+        _no_delay,
+        PHYSICS + "test_windmilling.py::test_stall_delay_raises_the_thrust_of_a_stalled_root",
+        True,
+    ),
+    "blade_reynolds_and_mach_off": Mutation(
+        "Reynolds and Mach number in the polars of blades",
+        ("blade_polar:_axis_weights",),
+        _first_column,
+        PHYSICS + "test_blade_polar.py::test_table_between_its_points",
         True,
     ),
     "relief_off": Mutation(

@@ -12,6 +12,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, StripPolar, Surface
 from hera_om.physics.aerodynamics import evaluate
@@ -294,7 +296,7 @@ def test_power_on_derivatives_hold_the_response_of_the_slipstream(power_on):
 
     expected = np.zeros((10, 5))
     for i, direction in enumerate(np.eye(5)):
-        wide, narrow = ((totals(base + h * direction) - totals(base - h * direction)) / (2 * h) for h in (2e-3, 1e-3))
+        wide, narrow = ((totals(base + h * direction) - totals(base - h * direction)) / (2 * h) for h in (4e-4, 2e-4))
         expected[:, i] = (4 * narrow - wide) / 3
     found = np.r_[np.asarray(power_on.derivatives), np.asarray(power_on.thrust_by)]
     for mine, theirs in zip(found, expected, strict=True):
@@ -312,6 +314,23 @@ def test_hub_loads_are_in_CX_CZ_and_Cm_but_not_in_CL_and_CD(power_on):
     assert float(total.CX - along) == pytest.approx(hub[0], rel=1e-9)
     assert float(total.CZ - up) == pytest.approx(hub[2], rel=1e-9)
     assert hub[0] < -0.02  # thrust
+
+
+@settings(max_examples=4)
+@given(st.floats(0.2, 5.0), st.floats(0.1, 3.0))
+def test_speed_and_density_are_units_only(power_on, speed, density):
+    """At the same Mach, Reynolds and advance numbers: coefficients stay, rotor loads grow with dynamic pressure."""
+    flow, rotors = small_flow(), small_rotors()
+    viscosity = flow.viscosity * speed * density
+    flow = flow._replace(speed=flow.speed * speed, sound_speed=flow.sound_speed * speed, viscosity=viscosity)
+    flow = flow._replace(density=flow.density * density)
+    rotors = rotors._replace(omega=rotors.omega * speed)
+    x = controls(**(STATE | dict(theta=THETA)))
+    found = result_at(x, small_aircraft(), rotors, flow, small_body(), plan=PLAN)
+    np.testing.assert_allclose(found.total, power_on.total, rtol=1e-9)
+    np.testing.assert_allclose(np.asarray(found.derivatives), np.asarray(power_on.derivatives), rtol=1e-7, atol=1e-9)
+    ratio = found.loads.rotors.thrust / power_on.loads.rotors.thrust
+    np.testing.assert_allclose(ratio, density * speed**2, rtol=1e-9)
 
 
 def test_drag_parts_add_up(power_on):
@@ -348,7 +367,7 @@ def test_the_slipstream_raises_the_lift_slope_where_the_wing_is_immersed(power_o
     immersed = np.min(np.abs(y[:, None] - np.array(HUB_Y)), axis=1) < 1.0
     jet = 1 + 2 * np.max(np.asarray(power_on.wake.axial))
     assert np.all(gain[immersed] > 1.03) and np.all(gain < jet**2)
-    assert np.min(gain[immersed]) > np.max(gain[~immersed])
+    assert np.mean(gain[immersed]) > np.mean(gain[~immersed]) + 0.02
 
 
 def test_without_rotors_the_parts_are_those_of_the_surfaces():
@@ -442,9 +461,11 @@ def test_both_halves_in_straight_flight_are_the_half_model_twice(straight, power
     assert float(straight.drag.CDi) == pytest.approx(float(power_on.drag.CDi), rel=1e-10)
 
 
-def test_signs_of_lateral_derivatives(straight):
+def test_signs_of_lateral_derivatives():
     """Stable in yaw and roll, damped, and every control turns the aircraft the way the conventions say."""
-    by, (aileron, rudder, beta, p, r) = straight.derivatives, (3, 4, 7, 8, 9)
+    x = controls(**dict(STATE, delta=(STATE["delta"][0], 0.0, 0.0), lateral=np.zeros(3)))
+    alone = result_at(x, small_whole_aircraft(), None, small_flow(), small_body(), model=WHOLE)
+    by, (aileron, rudder, beta, p, r) = alone.derivatives, (3, 4, 5, 6, 7)
     assert by.CY[beta] < -0.1 and by.Cn[beta] > 0.01 and by.Cl[beta] < 0.0
     assert by.Cl[p] < -0.3 and by.Cn[r] < -0.02 and by.Cl[r] > 0.0 and by.CY[r] > 0.0
     assert by.Cl[aileron] < -0.05 and by.CY[rudder] > 0.05 and by.Cn[rudder] < -0.02
@@ -469,10 +490,36 @@ def test_derivatives_in_sideslip_with_all_rates(straight):
 
     found = np.asarray(lateral(delta=base[2:5], lateral=SLIP).derivatives)
     for i in range(10):
-        step = np.eye(10)[i] * 1e-3
-        wide, narrow = ((totals(base + h * step) - totals(base - h * step)) / (2e-3 * h) for h in (2.0, 1.0))
+        step = np.eye(10)[i] * 1e-4
+        wide, narrow = ((totals(base + h * step) - totals(base - h * step)) / (2e-4 * h) for h in (2.0, 1.0))
         expected = (4 * narrow - wide) / 3
         np.testing.assert_allclose(found[:, i], expected, rtol=0, atol=1e-6 * max(np.max(np.abs(expected)), 0.1))
+
+
+def test_betadot_of_a_fin_is_alphadot_of_the_wing_on_its_side():
+    """Up to the reference lengths; a fin of both halves, a wing without mean load."""
+    rows = np.array([[5.0, 0.0, 2.0], [5.6, 4.0, 1.2]])  # x_le, place along the span, chord
+    whole = np.array([rows[1] * [1, -1, 1], *rows])
+    wing = Sections(*[jnp.asarray(v) for v in (rows[:, 0], rows[:, 1], np.zeros(2), rows[:, 2], np.zeros(2))])
+    fin = Sections(*[jnp.asarray(v) for v in (whole[:, 0], np.zeros(3), whole[:, 1], whole[:, 2], np.zeros(3))])
+    half, both = (
+        make_grid(np.arange(k), ["flat"] * int(k), nc=2, ns=ns, span="uniform", chord="uniform")
+        for k, ns in ((2.0, 3), (3.0, 6))
+    )
+    flow, body = small_flow()._replace(point=jnp.array([5.8, 0.0, 0.0])), small_body()
+    none = dict(delta=np.zeros(0))
+    found = result_at(
+        controls(**none), [Surface(wing, half, NO_DRAG, wing.y)], None, flow, body, model=Model((ROOTED,), 0)
+    ).alphadot
+    model = Model((PLANE,), 0, lateral=True)
+    there = result_at(
+        controls(**none, lateral=np.zeros(3)), [Surface(fin, both, NO_DRAG, fin.z)], None, flow, body, model=model
+    ).betadot
+    ratio = float(body.c / body.b)
+    assert float(there.CY) == pytest.approx(-float(found.CZ) * ratio, rel=1e-9)
+    assert float(there.Cn) == pytest.approx(-float(found.Cm) * ratio**2, rel=1e-9)
+    assert abs(float(there.Cl)) < 1e-12 and abs(float(there.Cn)) > 1e-3
+    assert all(float(there[i]) == 0.0 for i in range(5))
 
 
 def test_drag_in_roll_is_that_of_both_symmetries():
@@ -501,7 +548,7 @@ def test_derivatives_with_a_wake_along_the_stream():
     alpha = jnp.asarray(STATE["alpha"])
 
     def by_differences(k):
-        wide, narrow = ((found(alpha + h)[k] - found(alpha - h)[k]) / (2 * h) for h in (2e-3, 1e-3))
+        wide, narrow = ((found(alpha + h)[k] - found(alpha - h)[k]) / (2 * h) for h in (4e-4, 2e-4))
         return np.asarray((4 * narrow - wide) / 3)
 
     np.testing.assert_allclose(found(alpha)[1], by_differences(0), atol=1e-7)

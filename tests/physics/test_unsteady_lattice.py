@@ -14,7 +14,7 @@ import pytest
 from hera_om.physics import unsteady_lattice as module
 from hera_om.physics.geometry import Sections, make_grid, make_panels
 from hera_om.physics.lattice import assemble, shapes, solve
-from hera_om.physics.layout import layout
+from hera_om.physics.layout import PLANE, layout
 from hera_om.physics.unsteady_kernel import ramp, step
 from hera_om.physics.unsteady_lattice import (
     added_strips,
@@ -65,7 +65,7 @@ def rates(panels, mach, c=1.0, mean=1.0):
     gamma = mean * solve(lattice.even, -lattice.normal[:, 0])
     gamma_alpha = solve(lattice.even, -lattice.normal[:, 2])
     velocity = jnp.array([1.0, 0.0, 0.0]) + lattice.even.velocity @ gamma
-    given = dict(gamma=gamma, gamma_alpha=gamma_alpha, velocity=velocity, mach=mach, c=c)
+    given = dict(gamma=gamma, gamma_by=gamma_alpha, velocity=velocity, mach=mach, length=c)
     loads = plunge_rate(lattice, panels, lay, **given)
     force, moment = unsteady_resultant(lattice, loads, POINT)
     return jnp.stack([force[0], force[2], moment[1] / c]), loads, (lattice, gamma_alpha)
@@ -330,3 +330,62 @@ def test_derivatives_of_an_oscillation():
         return jnp.stack([force.real, force.imag])
 
     hold_derivatives(of, [1.0, 0.8, 0.6, 0.4])
+
+
+# Sideways.
+
+
+def sideways(panels, mach, b=1.0, kinds=None):
+    """[CY, Cl, Cn] by betadot b / 2V over unit area about the quarter chord, without a mean load."""
+    lattice, _ = assemble(panels, mach, kinds=kinds, lateral=True)
+    lay = layout(shapes(panels), kinds)
+    slope = solve(lattice.odd, lattice.normal[:, 1])
+    velocity = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0]), lattice.points.shape)
+    given = dict(gamma=jnp.zeros_like(slope), gamma_by=slope, velocity=velocity, mach=mach, length=b)
+    loads = plunge_rate(lattice, panels, lay, **given, odd=True)
+    force, moment = unsteady_resultant(lattice, loads, POINT, odd=True)
+    return jnp.stack([force[1], -moment[0] / b, -moment[2] / b])
+
+
+_sideways = jax.jit(sideways, static_argnames="kinds")
+SWEPT = ((0.0, 0.0, 1.3), (0.8, 2.0, 0.7))  # x_le, place along the span, chord
+
+
+@pytest.mark.parametrize("mach", [0.0, 0.5])
+def test_a_fin_is_a_wing_on_its_side(mach):
+    """A wing turned by 90 degrees into the plane of symmetry, both halves: its alpha-dot is the beta-dot of the fin."""
+    wing = surface([(x, y, 0.0, c, 0.0) for x, y, c in SWEPT], 2, 4)
+    outwards = [(x, 0.0, y, c, 0.0) for x, y, c in SWEPT]
+    fin = surface([(x, y, -z, c, t) for x, y, z, c, t in outwards[::-1]] + outwards[1:], 2, 8)
+    _, lift, moment = _rates([wing], mach, mean=0.0)[0]
+    side, roll, yaw = _sideways([fin], mach, kinds=(PLANE,))
+    np.testing.assert_allclose([side, roll, yaw], [-lift, 0.0, -moment], rtol=1e-9, atol=1e-10)
+    assert abs(float(lift)) > 0.1
+
+
+@pytest.mark.parametrize("mach", [0.0, 0.5])
+def test_four_equal_wings_feel_both_rates_alike(mach):
+    """A cross of wings at 45 degrees, alone and with a second one behind: alpha-dot and beta-dot by the symmetry."""
+    s, out = np.sqrt(0.5), []
+    for shift, size in ((0.0, 1.0), (4.0, 0.5)):
+        for sign in (1.0, -1.0):
+            rows = [(shift + x * size, y * s * size, sign * y * s * size, c * size, 0.0) for x, y, c in SWEPT]
+            out.append(surface(rows, 2, 3))
+    _, lift, moment = _rates(out, mach, mean=0.0)[0]
+    side, roll, yaw = _sideways(out, mach)
+    np.testing.assert_allclose([side, roll, yaw], [-lift, 0.0, -moment], rtol=1e-9, atol=1e-9)
+    assert abs(float(moment)) > 0.1
+
+
+@pytest.mark.parametrize("mach", [0.0, 0.6])
+def test_slender_fin(mach):
+    """-pi AR / 3 of a slender delta in the plane of symmetry, both halves, as of the wing (slender-body theory)."""
+
+    def ratio(ar):
+        tip = 0.02
+        outwards = [(0.0, 0.0, 0.0, 1.0, 0.0), (1 - tip, 0.0, ar / 4 * (1 - tip), tip, 0.0)]
+        fin = surface([(x, y, -z, c, t) for x, y, z, c, t in outwards[::-1]] + outwards[1:], 24, 24, span="cosine")
+        return float(_sideways([fin], mach, kinds=(PLANE,))[0]) / (ar / 4) / (-np.pi * ar / 3)
+
+    both = [ratio(ar) for ar in (0.1, 0.05)]
+    assert 2 * both[1] - both[0] == pytest.approx(1.0, abs=0.01)

@@ -89,6 +89,15 @@ def test_no_velocity_on_the_filament_itself():
     assert not np.any(bound[0]) and not np.any(chordwise[1, 0, 0]) and not np.any(wake[3, 0])
 
 
+@pytest.mark.parametrize("miss", [0.0, 1e-17, 3e-16, -2e-15])
+def test_a_point_on_an_end_stays_finite(miss):
+    """Where surfaces meet, rounding decides how near a node of one is to a point of the other."""
+    rings = one_ring(np.array([14.4, 0.0, 2.0]), np.array([14.8, 0.0, 2.0]))
+    for end in (14.4, 14.8):
+        for family in fields([end + miss, miss, 2.0 - miss], rings):
+            assert np.all(np.abs(family) < 10.0)
+
+
 def test_the_wake_core_bounds_the_velocity():
     """Near a wake line the velocity peaks at 1 / 4 pi core instead of growing without end."""
     ring = one_ring(np.zeros(3), np.array([0.0, 3.0, 0.0])) * jnp.array([1.0, 1.0, 0.0])
