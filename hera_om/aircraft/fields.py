@@ -18,11 +18,11 @@ NAME_TEXT = {
     IDENTIFIER: "a letter, then letters, digits or _",
 }
 
-Kind = Literal["number", "integer", "switch", "text", "choice", "numbers", "constants", "table", "tables"]
+Kind = Literal["number", "integer", "switch", "text", "choice", "numbers", "constant", "constants", "table", "tables"]
 
 
 class Constant:
-    """Marks the elements of an array that is structure, not numbers with paths, such as coordinates of an airfoil."""
+    """Marks what is structure, not a number with a path, such as coordinates of an airfoil."""
 
 
 class Part(BaseModel):
@@ -128,7 +128,7 @@ def _key(name: str, info: FieldInfo) -> Key:
     part = annotation if isinstance(annotation, type) and issubclass(annotation, Part) else None
     return Key(
         name=name,
-        kind="constants" if any(m is Constant for m in metadata) else _kind(annotation, part, in_tuple, bool(choices)),
+        kind=_constant(in_tuple) if Constant in metadata else _kind(annotation, part, in_tuple, bool(choices)),
         optional=optional,
         part=part,
         choices=choices,
@@ -137,6 +137,11 @@ def _key(name: str, info: FieldInfo) -> Key:
         required=info.is_required(),
         metadata=tuple(metadata),
     )
+
+
+def _constant(in_tuple: bool) -> Kind:
+    """The kind of what is structure."""
+    return "constants" if in_tuple else "constant"
 
 
 def _kind(annotation: Any, part: type[Part] | None, in_tuple: bool, has_choices: bool) -> Kind:

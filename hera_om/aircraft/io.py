@@ -212,7 +212,7 @@ def _plain(part: Part) -> dict[str, Any]:
         value = getattr(part, name)
         if value is None or (key.kind == "tables" and not value):
             continue
-        if key.kind == "number":
+        if key.kind in ("number", "constant"):
             value = float(value) + 0.0
         elif key.kind in ("numbers", "constants"):
             value = [float(v) + 0.0 for v in value]

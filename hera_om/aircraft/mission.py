@@ -3,6 +3,7 @@
 from typing import Literal
 
 from hera_om.aircraft.fields import IDENTIFIER, Part, item, number
+from hera_om.aircraft.rotors import FailedRotor
 
 
 class Reference(Part):
@@ -34,6 +35,7 @@ class Flight(Part):
     delta_a_deg: float = number("aileron, right trailing edge down positive", "deg", 0.0, ge=-90, le=90)
     delta_r_deg: float = number("rudder, trailing edge to port positive", "deg", 0.0, ge=-90, le=90)
     delta_f_deg: float = number("flap, trailing edge down positive", "deg", 0.0, ge=-90, le=90)
+    failed: tuple[FailedRotor, ...] = item("rotors that have failed", ())
 
 
 class Mission(Part):

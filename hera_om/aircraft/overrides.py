@@ -76,5 +76,5 @@ def _settable(table: type[Part], node: Any, prefix: str) -> Iterator[str]:
             yield from _settable(key.part, child, f"{prefix}{name}.")
         elif key.kind == "tables" and key.part is not None and isinstance(child, list):
             for entry in child:
-                if isinstance(entry, Mapping):
+                if isinstance(entry, Mapping) and "name" in entry:
                     yield from _settable(key.part, entry, f"{prefix}{name}.{entry.get('name')}.")

@@ -6,11 +6,11 @@ definition written out needs no second file, and its numbers are structure that 
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from hera_om.aircraft.fields import Part, item, number
+from hera_om.aircraft.fields import Constant, Part, item, number
 from hera_om.core.errors import InputError, Problem
 
 COLUMNS = ("alpha_deg", "reynolds", "mach", "cl", "cd", "cm")
@@ -40,6 +40,18 @@ class PolarTable(Part):
     source: str = item("where the table comes from", "")
 
 
+class BladePolarTable(PolarTable):
+    """Section coefficients of a blade, up to 180 degrees either way or extended to there: beyond its ends a table
+    follows the law of stalled blades of Viterna and Corrigan.
+    """
+
+    extend: bool = item("whether to extend a table that ends short of 180 degrees", True)
+    compressible: bool = item("Prandtl-Glauert up to Mach 0.7 on a table of Mach 0 alone that is extended", True)
+    aspect_ratio: Annotated[float | None, Constant] = number(
+        "tip radius over the chord at 75 % of it, for the drag of the extension; filled in when loading", "", None, gt=0
+    )
+
+
 def load_polar_tables(data: dict[str, Any], folder: Path | None, file: str) -> list[Problem]:
     """Put the text of every polar table into the raw definition, in place, and check it.
 
@@ -49,15 +61,19 @@ def load_polar_tables(data: dict[str, Any], folder: Path | None, file: str) -> l
         file: what a report calls the definition.
 
     Returns:
-        Every fault; a table with one is taken out, so that later checks do not repeat it.
+        Every fault; a table with one is taken out or emptied, so that later checks do not repeat it.
     """
     problems: list[Problem] = []
     for path, holder in _holders(data, ""):
+        blade = holder if path.startswith(("blade.", "blade[")) else None
         try:
-            holder["polar_table"] = _loaded(holder["polar_table"], folder or Path(), file, path)
+            holder["polar_table"] = _loaded(holder["polar_table"], folder or Path(), file, path, blade)
         except InputError as error:
-            del holder["polar_table"]
             problems += error.problems
+            if blade is None:
+                del holder["polar_table"]
+            else:  # which has a polar of some kind
+                holder["polar_table"] = {}
     return problems
 
 
@@ -75,7 +91,7 @@ def _holders(node: Any, path: str) -> Iterator[tuple[str, dict[str, Any]]]:
             yield from _holders(child, f"{path}.{name}" if isinstance(name, str) else f"{path}[{i}]")
 
 
-def _loaded(raw: Any, folder: Path, file: str, path: str) -> Any:
+def _loaded(raw: Any, folder: Path, file: str, path: str, blade: dict[str, Any] | None) -> Any:
     """The raw polar table with its text in ``csv``; what pydantic will refuse passes through."""
     if not isinstance(raw, dict):
         return raw
@@ -92,11 +108,16 @@ def _loaded(raw: Any, folder: Path, file: str, path: str) -> Any:
         text, source = raw["csv"], ""
     else:
         return raw
-    from hera_om.aircraft.polar_data import polar_arrays  # numpy, which a definition without tables need not import
+    # numpy, which a definition without tables need not import
+    from hera_om.aircraft.polar_data import aspect_ratio, extends, polar_arrays
 
     label = raw["file"] if given == ["file"] else f"{file}: {path}.{given[0]}"
-    polar_arrays(text, label)
-    return {"source": source, **rest, "csv": text} if source else raw
+    if blade is None:
+        polar_arrays(text, label)
+    elif extends(text, label, raw, key=(file, path)) and "aspect_ratio" not in raw:
+        ratio = aspect_ratio(blade.get("r"), blade.get("c"))
+        rest = rest if ratio is None else {**rest, "aspect_ratio": ratio}
+    return {**({"source": source} if source else {}), **rest, "csv": text}
 
 
 def _read(path: Path, name: str, file: str, key: str) -> str:

@@ -43,8 +43,8 @@ def expectation(key: Key, path: str) -> str:
     elif key.kind == "text":
         text = _PATTERNS.get(key.pattern() or "", "a text")
     else:
-        noun = {"number": "a finite number", "integer": "an integer"}.get(key.kind, "an array of finite numbers")
-        text = f"{noun} {key.range_text()}".rstrip()
+        nouns = {"number": "a finite number", "constant": "a finite number", "integer": "an integer"}
+        text = f"{nouns.get(key.kind, 'an array of finite numbers')} {key.range_text()}".rstrip()
     return f"{text}: {key.description}"
 
 

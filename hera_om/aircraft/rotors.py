@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from hera_om.aircraft.fields import IDENTIFIER, NAME, Part, item, number
+from hera_om.aircraft.polars import BladePolarTable
 
 _Radius = Annotated[float, Field(gt=0, le=1)]
 _Positive = Annotated[float, Field(gt=0, lt=2)]
@@ -57,9 +58,32 @@ class Blade(Part):
     c: tuple[_Positive, ...] = Field(description="chord over tip radius [-]", min_length=2)
     twist_deg: tuple[_Angle, ...] = Field(description="twist relative to 75 % of the radius [deg]", min_length=2)
     thickness: tuple[_Thickness, ...] = Field(description="largest thickness over chord [-]", min_length=2)
-    polar: BladePolar = item("section polar of the whole blade")
+    polar: BladePolar | None = item("section polar of the whole blade by seven numbers", None)
+    polar_table: BladePolarTable | None = item("section polar of the whole blade by a table, instead of polar", None)
+    stall_delay: bool = item("delay of stall by rotation, after Du and Selig", False)
     tip_loss: bool = item("Prandtl's loss factor at the tip", True)
     hub_loss: bool = item("Prandtl's loss factor at the hub", True)
+
+
+class FailedRotor(Part):
+    """A rotor that has failed: it turns freely without torque (windmilling), stands still at the pitch of its group
+    (stopped), or stands still at the pitch at which the air exerts no torque on it (feathered).
+    """
+
+    rotor: str = item("name of its [[rotor]] group", pattern=IDENTIFIER)
+    number: int = number("which of the group on its side, 1 being the inner one", ge=1, le=50)
+    side: Literal["starboard", "port", "both"] = item("its side; one side alone needs both halves, as in analyze")
+    state: Literal["windmilling", "feathered", "stopped"] = item("what it does")
+
+    @property
+    def name(self) -> str:
+        """What stands for it in paths."""
+        return f"{self.rotor}_{self.number}_{self.side}"
+
+    @property
+    def halves(self) -> tuple[int, ...]:
+        """0 for starboard, 1 for port."""
+        return {"starboard": (0,), "port": (1,), "both": (0, 1)}[self.side]
 
 
 def hub_ys(rotor: Rotor) -> tuple[Any, ...]:

@@ -107,6 +107,10 @@ def _polars(aircraft: Aircraft) -> Iterator[Finding]:
 def _blade(blade: Blade) -> Iterator[Finding]:
     """Stations of equal number, outward from the hub."""
     path, count = f"blade.{blade.name}", len(blade.r)
+    if blade.polar is None and blade.polar_table is None:
+        yield Finding(path, None, "one of polar and polar_table", "polar")
+    if blade.polar and blade.polar_table and blade.polar_table.csv is not None:  # a faulty table has been emptied
+        yield Finding(path, "polar, polar_table", "one of polar and polar_table", "polar")
     for key in ("c", "twist_deg", "thickness"):
         if len(getattr(blade, key)) != count:
             got = f"{len(getattr(blade, key))} entries"

@@ -84,6 +84,8 @@ def _references(aircraft: Aircraft) -> Iterator[Finding]:
     groups = [r.name for r in aircraft.rotor]
     for rotor in aircraft.rotor:
         yield from _reference(f"rotor.{rotor.name}.blade", rotor.blade, blades, "blade")
+    for i, failed in enumerate(aircraft.flight.failed):
+        yield from _reference(f"flight.failed[{i}].rotor", failed.rotor, groups, "rotor")
     for area in aircraft.drag_area:
         if area.rotor is not None:
             yield from _reference(f"drag_area.{area.name}.rotor", area.rotor, groups, "rotor")

@@ -29,6 +29,8 @@ def rotor_findings(aircraft: Aircraft) -> Iterator[Finding]:
     for rotor in aircraft.rotor:
         yield from _pitch(rotor)
         yield from _solidity(aircraft, rotor)
+    yield from _alike(aircraft)
+    yield from _failed(aircraft)
     if placing:
         return
     disks = [disk for rotor in aircraft.rotor for disk in _disks(aircraft, rotor)]
@@ -84,6 +86,50 @@ def _solidity(aircraft: Aircraft, rotor: Rotor) -> Iterator[Finding]:
         if filled >= 1.0:
             expected = f"less than {c / filled:.4g}, or the {rotor.blades} blades of {rotor.name} overlap there"
             yield Finding(f"blade.{blade.name}.c.{i}", c, expected, "solid")
+
+
+def _alike(aircraft: Aircraft) -> Iterator[Finding]:
+    """Blades in use share kind of polar, axes of their tables, and losses: all rotors are solved at once."""
+    used = dict.fromkeys(r.blade for r in aircraft.rotor)
+    blades = [b for b in aircraft.blade if b.name in used]
+    for first, blade in zip(blades[:1] * len(blades[1:]), blades[1:], strict=True):
+        path, other = f"blade.{blade.name}", f"blade {first.name}, since all rotors are solved at once"
+        for key in ("tip_loss", "hub_loss", "stall_delay"):
+            if getattr(blade, key) != getattr(first, key):
+                expected = f"{str(getattr(first, key)).lower()} as in {other}"
+                yield Finding(f"{path}.{key}", getattr(blade, key), expected, "alike")
+        if (blade.polar is None) != (first.polar is None):
+            kind = "polar_table" if first.polar is None else "polar"
+            yield Finding(path, "polar" if blade.polar else "polar_table", f"{kind} as in {other}", "alike")
+        elif first.polar_table and blade.polar_table and first.polar_table.csv and blade.polar_table.csv:
+            pair = [(t.csv or "", t.compressible) for t in (first.polar_table, blade.polar_table)]
+            yield from _axes(path, other, *pair)
+
+
+def _axes(path: str, other: str, first: tuple[str, bool], own: tuple[str, bool]) -> Iterator[Finding]:
+    """Tables share their Reynolds and Mach numbers, or have a single one."""
+    from hera_om.aircraft.polar_data import blade_axes  # numpy, which a definition without tables need not import
+
+    for name, wanted, given in zip(("reynolds", "mach"), blade_axes(*first), blade_axes(*own), strict=True):
+        if len(wanted) > 1 and len(given) > 1 and wanted != given:
+            value, listed = (", ".join(f"{v:g}" for v in values) for values in (given, wanted))
+            yield Finding(f"{path}.polar_table.{name}", value, f"{listed} as in {other}, or a single one", "alike")
+
+
+def _failed(aircraft: Aircraft) -> Iterator[Finding]:
+    """Failed rotors exist, each fails once, and one in the plane of symmetry has no side."""
+    groups, seen = {r.name: r for r in aircraft.rotor}, set()
+    for i, failed in enumerate(aircraft.flight.failed):
+        path, group = f"flight.failed[{i}]", groups[failed.rotor]
+        if failed.number > group.count_per_side:
+            expected = f"at most {group.count_per_side}, the rotors of {group.name} on one side"
+            yield Finding(f"{path}.number", failed.number, expected, "number")
+        if group.y_m == 0.0 and failed.side != "both":
+            yield Finding(f"{path}.side", failed.side, f"'both': {group.name} is in the plane of symmetry", "side")
+        places = {(failed.rotor, failed.number, half) for half in failed.halves}
+        if places & seen:
+            yield Finding(path, failed.name, "a rotor that has not failed already", "twice")
+        seen |= places
 
 
 def _disks(aircraft: Aircraft, rotor: Rotor) -> Iterator[Disk]:

@@ -34,9 +34,8 @@ def _accepts(key: Key) -> str:
     """Type and range of a key."""
     if key.kind == "choice":
         return ", ".join(f"`{choice}`" for choice in key.choices)
-    noun = {"switch": "true or false", "tables": "array of tables", "numbers": "array", "constants": "array"}.get(
-        key.kind, key.kind
-    )
+    names = {"switch": "true or false", "tables": "array of tables", "numbers": "array", "constants": "array"}
+    noun = (names | {"constant": "number"}).get(key.kind, key.kind)
     return f"{noun} {key.range_text()}".rstrip()
 
 

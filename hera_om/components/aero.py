@@ -11,7 +11,7 @@ import openmdao.api as om
 from jax.flatten_util import ravel_pytree
 
 from hera_om.components import arrays
-from hera_om.components.aero_plan import COEFFICIENTS, TEXTS, AeroPlan
+from hera_om.components.aero_plan import COEFFICIENTS, PARTS, PARTS_BY, TEXTS, AeroPlan
 from hera_om.components.base import JaxComponent, Values, fill_partials
 from hera_om.components.structure import Structure
 from hera_om.core.programs import program
@@ -136,7 +136,7 @@ class Aerodynamics(JaxComponent):
             for of in COEFFICIENTS:
                 partials[of, wrt] = float(getattr(kept.by, of)[column]) * RAD
             for i, group in enumerate(self.statics.groups):
-                members = self.statics.members(i)
+                members = self.statics.running(i, 1)
                 partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
 
     def _fixed_names(self) -> tuple[str, ...]:
@@ -245,6 +245,8 @@ def _coefficients(statics: AeroPlan, result: AeroResult) -> Values:
         out |= {f"{name}_{by}": row[i] for i, by in enumerate(statics.columns)}
         rates = {"alphadot": result.alphadot, "betadot": result.betadot}
         out |= {f"{name}_{by}": getattr(rates[by], name) for by in statics.by if by in rates}
+    for name in statics.split:
+        out |= {f"{name}_{PARTS}": getattr(result.parts, name), f"{name}_{PARTS_BY}": getattr(result.parts_by, name)}
     return out
 
 
@@ -284,19 +286,26 @@ def _air(result: AeroResult, flow, body: Body) -> Values:
 
 
 def _rotor_outputs(statics: AeroPlan, result: AeroResult, rotors, flow) -> Values:
-    """One rotor of each group, and the sums over all rotors."""
-    r, plan = result.loads.rotors, statics.rotors
-    assert r is not None and plan is not None
+    """Means of each group over its rotors that run, on both sides, and sums over all rotors, failed ones included.
+
+    Of a group without any that runs, thrust and power are the means of all and the coefficients are zero.
+    """
+    r, plan, starboard = result.loads.every, statics.rotors, result.loads.rotors
+    assert r is not None and plan is not None and starboard is not None
+    halves = r.thrust.shape[0]
     advance = jnp.where(r.CP == 0, 0.0, r.CT / jnp.where(r.CP == 0, 1.0, r.CP)) * (
         flow.speed * np.pi / (rotors.omega * rotors.radius)
     )
-    out = {"thrust": plan.sides * jnp.sum(r.thrust), "power": plan.sides * jnp.sum(r.power)}
+    out = {"thrust": plan.sides / halves * jnp.sum(r.thrust), "power": plan.sides / halves * jnp.sum(r.power)}
+    families = {"thrust": r.thrust, "power": r.power, "CT": r.CT, "CP": r.CP, "eta": advance}
     for i, name in enumerate(statics.groups):
-        members = jnp.asarray(statics.members(i))
-        out |= {f"thrust_{name}": jnp.mean(r.thrust[members]), f"power_{name}": jnp.mean(r.power[members])}
-        out |= {f"CT_{name}": jnp.mean(r.CT[members]), f"CP_{name}": jnp.mean(r.CP[members])}
-        out[f"eta_{name}"] = jnp.mean(advance[members])
-    return out | {"rotor_hub": rotors.hub, "rotor_force": r.force, "rotor_moment": r.moment}
+        running = statics.running(i, halves)
+        members = np.array(running or statics.members(i))
+        means = {family: jnp.mean(values.ravel()[members]) for family, values in families.items()}
+        if not running:
+            means |= {family: jnp.zeros(()) for family in ("CT", "CP", "eta")}
+        out |= {f"{family}_{name}": value for family, value in means.items()}
+    return out | {"rotor_hub": rotors.hub, "rotor_force": starboard.force, "rotor_moment": starboard.moment}
 
 
 def _wing_outputs(system: System, result: AeroResult, flow) -> Values:

@@ -8,19 +8,25 @@ from hera_om.physics.layout import SINGLE
 
 COEFFICIENTS = ("CL", "CD", "CX", "CZ", "Cm")
 LATERAL = ("CY", "Cl", "Cn")
+PARTS, PARTS_BY = "parts", "parts_by"
+"""Endings of outputs: a coefficient of each part, and its derivatives by the columns."""
+FUSELAGE, ROTORS = "fuselage", "rotors"
+"""Names of the parts that are no lifting surface, see `physics.aerodynamics.Shares`."""
 
 
 class AeroPlan:
     """Hashable statics of the aerodynamics of an aircraft."""
 
     def __init__(self, aircraft, lateral: bool = False) -> None:
-        self.rotors = arrays.plan(aircraft)
+        self.rotors = arrays.plan(aircraft, lateral)
         self.groups = tuple(r.name for r in aircraft.rotor)
         self.commands = arrays.model_commands(aircraft, lateral)
         self.model = arrays.model(aircraft, lateral)
+        surfaces = (s.name for s in arrays.parts(aircraft, lateral))
+        self.parts = (*surfaces, FUSELAGE, *((ROTORS,) if self.groups else ()))
 
     def _key(self):
-        return self.rotors, self.groups, self.commands, self.model
+        return self.rotors, self.groups, self.commands, self.model, self.parts
 
     def __hash__(self) -> int:
         """Hash of the statics."""
@@ -53,6 +59,8 @@ class AeroPlan:
         scalars += LATERAL if self.model.lateral else ()
         scalars += [f"{c}_{by}" for c in self.coefficients for by in self.by]
         out: dict[str, tuple[int, ...]] = {name: (1,) for name in scalars}
+        p, n = len(self.parts), len(self.columns)
+        out |= {f"{c}_{PARTS}": (p,) for c in self.split} | {f"{c}_{PARTS_BY}": (p, n) for c in self.split}
         if self.groups:
             out |= {name: (1,) for name in ("thrust", "power")}
             families = ("thrust", "power", "CT", "CP", "eta")
@@ -69,10 +77,21 @@ class AeroPlan:
         """Indices of the rotors of a group."""
         return [] if self.rotors is None else [k for k, g in enumerate(self.rotors.groups) if g == group]
 
+    def running(self, group: int, halves: int) -> list[int]:
+        """Indices of the rotors of a group that have not failed, halves one after the other."""
+        gone = () if self.rotors is None else [(half, k) for half, k, _ in self.rotors.failed]
+        count = 0 if self.rotors is None else len(self.rotors.groups)
+        return [h * count + k for h in range(halves) for k in self.members(group) if (h, k) not in gone]
+
     @property
     def coefficients(self) -> tuple[str, ...]:
         """The coefficients of the model."""
         return COEFFICIENTS + LATERAL if self.model.lateral else COEFFICIENTS
+
+    @property
+    def split(self) -> tuple[str, ...]:
+        """The coefficients that are given by part: single conditions alone, optimisations have no use for them."""
+        return tuple(c for c in self.coefficients if c not in ("CL", "CD")) if self.model.lateral else ()
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -88,6 +107,11 @@ class AeroPlan:
 
 
 TEXTS: dict[str, dict[str, Any]] = {
+    **{f"{c}_{PARTS}": {"desc": f"{c} of each part, see `AeroPlan.parts`"} for c in (*COEFFICIENTS, *LATERAL)},
+    **{
+        f"{c}_{PARTS_BY}": {"desc": f"derivatives of {c} of each part by `AeroPlan.columns`"}
+        for c in (*COEFFICIENTS, *LATERAL)
+    },
     "lift_margin": {"desc": "least of cl_max - |cl| over all strips; negative: stalled, the model does not hold"},
     "lift_margin_smooth": {"desc": "smooth minimum of the same, never above it: for constraints"},
     "stall_surface": {"desc": "index of the lifting surface with the least margin, the wing being 0"},

@@ -9,16 +9,19 @@ import numpy as np
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.lifting_surfaces import LiftingSurface, commands, lifting_surfaces
-from hera_om.aircraft.polar_data import polar_arrays
+from hera_om.aircraft.polar_data import blade_arrays, mach_numbers, polar_arrays
 from hera_om.aircraft.reference import reference_b, reference_c, reference_S, wing_quarter_mac
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.aircraft.spacing import segment_points
+from hera_om.core.errors import InputError, Problem
 from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.atmosphere import isa
+from hera_om.physics.blade_polar import BladeTable, Polar, make_blade_table, resampled
 from hera_om.physics.controls import Control
 from hera_om.physics.fuselage import Fuselage, fuselage_drag, fuselage_moment_slope
 from hera_om.physics.geometry import FLAT, Grid, Sections, cut, segment_weights, span_weights
 from hera_om.physics.layout import FREE, PLANE, ROOTED, SINGLE
+from hera_om.physics.polar_extension import full_incidence, with_mach_numbers
 from hera_om.physics.profile_drag import section_profile_drag
 from hera_om.physics.rotor import sense_sign
 from hera_om.physics.section_polar import SectionPolar
@@ -26,6 +29,7 @@ from hera_om.physics.strip_polar import StripPolar, StripTable, make_table
 
 RAD = np.pi / 180
 OWN_COMPONENT = 1000  # numbers from here on are of surfaces that give none
+SAME_INCIDENCE = 1e-6  # rad: closer ones of two tables count as one
 NO_POLAR = StripPolar(0.0, 0.0, 0.0, 1e6, 10.0)
 
 
@@ -131,12 +135,20 @@ def wing_arrays(aircraft: Aircraft) -> Sections:
     return sections_of(lifting_surfaces(aircraft, jnp.tan)[0])
 
 
-def plan(aircraft: Aircraft) -> RotorPlan | None:
-    """Static facts of the rotors; one setting of the loss factors for all blades."""
+def plan(aircraft: Aircraft, lateral: bool) -> RotorPlan | None:
+    """Static facts of the rotors; one setting of losses and stall delay for all blades.
+
+    Raises:
+        InputError: the flow is symmetric and a rotor has failed on one side, or a whole group, which a trim moves.
+    """
     if not aircraft.rotor:
         return None
+    if not lateral:
+        _refuse_failures(aircraft)
     groups = tuple(i for i, rotor in enumerate(aircraft.rotor) for _ in range(rotor.count_per_side))
     blade = [aircraft.blade_of(r) for r in aircraft.rotor]
+    first = {r.name: groups.index(i) for i, r in enumerate(aircraft.rotor)}
+    failed = [(h, first[f.rotor] + f.number - 1, f.state) for f in aircraft.flight.failed for h in f.halves]
     return RotorPlan(
         groups=groups,
         sides=1 if all(r.y_m == 0.0 for r in aircraft.rotor) else 2,
@@ -144,21 +156,81 @@ def plan(aircraft: Aircraft) -> RotorPlan | None:
         azimuthal=aircraft.lattice.rotor_azimuthal,
         tip_loss=all(b.tip_loss for b in blade),
         hub_loss=all(b.hub_loss for b in blade),
+        stall_delay=all(b.stall_delay for b in blade),
+        failed=tuple(sorted(failed)),
     )
+
+
+def _refuse_failures(aircraft: Aircraft) -> None:
+    """Failures that one half of an aircraft cannot hold."""
+    problems = []
+    for i, failed in enumerate(aircraft.flight.failed):
+        if failed.side != "both":
+            expected = "'both': this model holds half of the aircraft, the other is its image; analyze holds both"
+            problems.append(Problem(aircraft.name, f"flight.failed[{i}].side", failed.side, expected))
+    for group in aircraft.rotor:
+        gone = {f.number for f in aircraft.flight.failed if f.rotor == group.name and f.side == "both"}
+        if len(gone) == group.count_per_side:
+            expected = f"a rotor of {group.name} that runs: a trim moves the pitch of each group; analyze needs none"
+            problems.append(Problem(aircraft.name, "flight.failed", f"all of {group.name}", expected))
+    if problems:
+        raise InputError(problems)
 
 
 def rotors(aircraft: Aircraft) -> Rotors | None:
     """All rotors of the starboard half."""
     if not aircraft.rotor:
         return None
-    singles = [_rotor(aircraft, group, y) for group in aircraft.rotor for y in hub_ys(group)]
+    polars = _blade_polars(aircraft)
+    singles = [_rotor(aircraft, group, y, polars[group.blade]) for group in aircraft.rotor for y in hub_ys(group)]
     return jax.tree.map(lambda *parts: jnp.stack([jnp.asarray(p, float) for p in parts]), *singles)
 
 
-def _rotor(aircraft: Aircraft, group, y) -> Rotors:
+def _blade_polars(aircraft: Aircraft) -> dict[str, Polar]:
+    """Polars of the blades in use: all seven numbers, or all tables, on common axes."""
+    used = [aircraft.blade_of(group) for group in aircraft.rotor]
+    tables = {b.name: b.polar_table for b in used if b.polar_table is not None}
+    if tables:
+        absent = [name for name, t in tables.items() if t.csv is None]
+        if absent:
+            raise InputError([Problem(aircraft.name, f"blade.{absent[0]}.polar_table.csv", None, "a table")])
+        made = _blade_tables(tuple((t.csv, t.compressible, t.aspect_ratio) for t in tables.values()))
+        return dict(zip(tables, made, strict=True))
+    return {b.name: _formula(b.polar) for b in used}
+
+
+def _formula(p) -> SectionPolar:
+    """Seven numbers of a blade."""
+    angle = p.alpha_zero_lift_deg * RAD
+    return SectionPolar(p.cl_alpha_per_rad, angle, p.cd_min, p.cl_at_cd_min, p.k, p.cl_max, float(p.compressible))
+
+
+@lru_cache(maxsize=16)
+def _blade_tables(tables: tuple[tuple[str, bool, float | None], ...]) -> list[BladeTable]:
+    """Tables over full incidence, made once: on all incidences of any, on the longest axes, so that they stack."""
+    full = [_full_table(*table) for table in tables]
+    alpha = np.unique(np.concatenate([t[0] for t in full]))
+    alpha = alpha[np.append(np.diff(alpha) > SAME_INCIDENCE, True)]
+    reynolds, mach = (max((t[i] for t in full), key=len) for i in (1, 2))
+    shape = len(alpha), len(reynolds), len(mach)
+    stacked = [[np.broadcast_to(resampled(t[0], v, alpha), shape) for v in t[3:]] for t in full]
+    return [make_blade_table(alpha, reynolds, mach, cl=cl, cd=cd) for cl, cd in stacked]
+
+
+def _full_table(csv: str, compressible: bool, aspect_ratio: float | None):
+    """Incidences (rad), Reynolds and Mach numbers, lift and drag coefficients of a table over full incidence."""
+    a = blade_arrays(csv)
+    alpha, mach = np.deg2rad(a.alpha_deg), np.asarray(mach_numbers(csv, compressible))
+    cl, cd = a.cl, a.cd
+    if len(mach) > len(a.mach):
+        alpha, cl, cd = with_mach_numbers(alpha, cl[:, :, 0], cd[:, :, 0], mach)
+    alpha, cl, cd = full_incidence(alpha, cl, cd, aspect_ratio=aspect_ratio)
+    return alpha, a.reynolds, mach, cl, cd
+
+
+def _rotor(aircraft: Aircraft, group, y, polar: Polar) -> Rotors:
     """One rotor of a group, without the leading axis."""
     blade, radius = aircraft.blade_of(group), group.diameter_m / 2
-    p = blade.polar
     return Rotors(
         hub=_hub(aircraft, group, y),
         incidence=group.axis_incidence_deg * RAD,
@@ -167,15 +239,7 @@ def _rotor(aircraft: Aircraft, group, y) -> Rotors:
         r=_row(blade.r),
         chord=_row(blade.c),
         twist=_row(blade.twist_deg) * RAD,
-        polar=SectionPolar(
-            p.cl_alpha_per_rad,
-            p.alpha_zero_lift_deg * RAD,
-            p.cd_min,
-            p.cl_at_cd_min,
-            p.k,
-            p.cl_max,
-            float(p.compressible),
-        ),
+        polar=polar,
         blades=jnp.asarray(float(group.blades)),
         omega=group.rpm * 2 * np.pi / 60,
         sense=jnp.asarray(sense_sign(group.sense, 1.0)),

@@ -4,13 +4,17 @@ from typing import NamedTuple
 
 from jaxtyping import Array, Float
 
+from hera_om.physics.blade_polar import Polar
 from hera_om.physics.controls import Control
 from hera_om.physics.fuselage import Fuselage
 from hera_om.physics.geometry import CAMBER, Grid, Sections
-from hera_om.physics.section_polar import SectionPolar
 from hera_om.physics.strip_polar import StripPolar, StripTable
 
 Number = Float[Array, ""] | float
+
+
+FAILURES = ("windmilling", "feathered", "stopped")
+"""What a failed rotor does, see `disks.rotor_loads`."""
 
 
 class Surface(NamedTuple):
@@ -33,7 +37,7 @@ class Rotors(NamedTuple):
     r: Float[Array, "m nt"]  # blade tables: radius and chord over the tip radius, twist relative to 75 % radius in rad
     chord: Float[Array, "m nt"]
     twist: Float[Array, "m nt"]
-    polar: SectionPolar  # fields [m]
+    polar: Polar  # fields [m, ...]: seven numbers, or tables of one shape
     blades: Float[Array, " m"]
     omega: Float[Array, " m"]  # rad/s
     sense: Float[Array, " m"]  # +1 or -1, see `rotor.sense_sign`
@@ -91,7 +95,7 @@ class Model(NamedTuple):
 
 
 class RotorPlan(NamedTuple):
-    """Static facts of the rotors: discretisation and losses."""
+    """Static facts of the rotors: discretisation, losses, failures."""
 
     groups: tuple[int, ...]  # group of each rotor: index into the pitch angles
     sides: int  # 2 for rotors on either side, 1 for one in the plane of symmetry
@@ -99,3 +103,5 @@ class RotorPlan(NamedTuple):
     azimuthal: int
     tip_loss: bool
     hub_loss: bool
+    stall_delay: bool = False
+    failed: tuple[tuple[int, int, str], ...] = ()  # half (0 starboard, 1 port), rotor, one of `FAILURES`

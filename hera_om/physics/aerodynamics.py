@@ -1,6 +1,7 @@
 """Aerodynamics of a whole aircraft: coefficients, drag build-up, derivatives, loads."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import jax
@@ -66,6 +67,21 @@ class Coefficients(NamedTuple):
     Cn: Array
 
 
+class Shares(NamedTuple):
+    """Parts of the coefficients: of each lifting surface, the fuselage with all drag areas, the rotors' hub loads.
+
+    Of the parts p the surfaces stand first in their order; rotors are the last part, if there are any. Each field
+    sums up to the total of `Coefficients`.
+    """
+
+    CX: Array
+    CZ: Array
+    Cm: Array
+    CY: Array
+    Cl: Array
+    Cn: Array
+
+
 class DragParts(NamedTuple):
     """Drag coefficients on the reference area."""
 
@@ -81,6 +97,7 @@ class Loads(NamedTuple):
 
     surfaces: StripLoads | None  # strips of all surfaces, wing first
     rotors: RotorSolution | None
+    every: RotorSolution | None  # the rotors of each solved half
 
 
 class Stall(NamedTuple):
@@ -97,6 +114,8 @@ class AeroResult(NamedTuple):
 
     total: Coefficients
     derivatives: Coefficients  # each [2 + k + g + l]
+    parts: Shares  # each [p]
+    parts_by: Shares  # each [p, 2 + k + g + l]
     thrust_by: Float[Array, "m s"]  # of each starboard rotor, N
     alphadot: Coefficients  # by alphadot c / 2V
     betadot: Coefficients  # by betadot b / 2V
@@ -158,10 +177,10 @@ def evaluate(
 
     def forces(step):
         moved = jax.tree.map(lambda value, slope: value + slope @ step, answer, by)
-        total, rest = _coefficients(unpack(first + step), moved, polars, at=at, plan=plan, body=body, lay=lay)
-        return total, (total, rest)
+        total, parts, rest = _coefficients(unpack(first + step), moved, polars, at=at, plan=plan, body=body, lay=lay)
+        return (total, parts), (total, parts, rest)
 
-    derivatives, (total, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
+    (derivatives, parts_by), (total, parts, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
     drag, cl, stall, wing, filaments, local = rest
     panels = make_surfaces(surfaces, model)
     cells = [pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces]
@@ -170,6 +189,8 @@ def evaluate(
     return AeroResult(
         total=total,
         derivatives=derivatives,
+        parts=parts,
+        parts_by=parts_by,
         thrust_by=jnp.zeros((0, first.shape[0])) if by.loads is None else by.loads.thrust[0],
         alphadot=_alphadot(local, x, answer, by.gamma[..., 0], **rates),
         betadot=_betadot(local, answer, by.gamma[..., column], **rates) if x.lateral.shape[0] else _zeros(),
@@ -177,7 +198,7 @@ def evaluate(
         stall=stall,
         cl_strips=cl,
         pressure=jnp.stack([panel_pressure(lay, f, cells) for f in filaments]) if cells else jnp.zeros((0, 0)),
-        loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads)),
+        loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads), answer.loads),
         wake=None if answer.wake is None else jax.tree.map(lambda v: v[0], answer.wake),
         residual=jnp.max(jnp.abs(answer.flat - flat), initial=0.0),
         inverse=inverse,
@@ -195,24 +216,26 @@ def _as_vector(x: Controls):
 
 
 def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, body: Body, lay: Layout):
-    """Coefficients and everything that hangs on the same forces."""
+    """Coefficients, in all and by part, and everything that hangs on the same forces."""
     at = turned(at, x)
     flow, stream = at.flow, wind(x)
     up = jnp.stack([-jnp.sin(x.alpha), jnp.zeros_like(x.alpha), jnp.cos(x.alpha)])
-    force = moment = profile_force = local = jnp.zeros(3)
+    profile_force = local = jnp.zeros(3)
+    forces: list[Array] = []
+    moments: list[Array] = []
     cl, stall, wing, filaments = jnp.zeros(0), None, None, []
     induced_drag = slip = trace = jnp.zeros(())
     if at.system.lattice is not None:
         halves, local = _half_loads(x, answer, polars, at=at, plan=plan, lay=lay)
         wing, cl, filaments = halves[0].loads, halves[0].state.cl, [h.filaments for h in halves]
         stall = _stall(at.system.lattice, lay, [h.state for h in halves])
-        force, moment = resultant([h.loads for h in halves], lay, flow.point)
+        forces, moments = _surface_loads([h.loads for h in halves], lay, flow.point)
         profile_force = both_halves([jnp.sum(h.profile, axis=0) for h in halves])
         slip = (halves[0].slip + halves[-1].slip) / body.S
-        induced_drag = (force - profile_force) @ stream / body.S - slip
+        induced_drag = (jnp.sum(jnp.stack(forces), axis=0) - profile_force) @ stream / body.S - slip
         trace = _trace_drag(at.system.lattice, lay, answer.gamma) / body.S
     area_force, area_moment = _areas(body, answer, stream, flow)
-    force, moment = force + area_force, moment + area_moment
+    force, moment = area_force, area_moment + body.S * body.c * body.munk_slope * _pitching(x)
     if at.system.slender is not None and answer.upwash is not None:
         shell = at.system.slender.body
         loads = body_loads(
@@ -220,23 +243,32 @@ def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting,
         )
         force = force + loads.force
         moment = moment + loads.moment + _transfer(loads.force, flow.point)
-    everything, turning = force / body.S, moment / body.S + body.c * body.munk_slope * _pitching(x)
+    forces, moments = [*forces, force], [*moments, moment]
+    lift = jnp.sum(jnp.stack(forces), axis=0)
     if plan is not None and answer.loads is not None:
         hub_force, hub_moment = _hub_loads(at.rotors, plan, answer.loads, flow)
-        q_S = 0.5 * flow.density * flow.speed**2 * body.S
-        everything, turning = everything + hub_force / q_S, turning + hub_moment / q_S
-    total = Coefficients(
-        CL=force @ up / body.S,
-        CD=force @ stream / body.S,
-        CX=everything[0],
-        CZ=everything[2],
-        Cm=turning[1] / body.c,
-        CY=everything[1],
-        Cl=-turning[0] / body.b,
-        Cn=-turning[2] / body.b,
-    )
+        q = 0.5 * flow.density * flow.speed**2
+        forces, moments = [*forces, hub_force / q], [*moments, hub_moment / q]
+    shares = _shares(jnp.stack(forces), jnp.stack(moments), body)
+    total = Coefficients(CL=lift @ up / body.S, CD=lift @ stream / body.S, **jax.tree.map(jnp.sum, shares)._asdict())
     parts = DragParts(trace, induced_drag, slip, profile_force @ stream / body.S, area_force @ stream / body.S)
-    return total, (parts, cl, stall, wing, filaments, local)
+    return total, shares, (parts, cl, stall, wing, filaments, local)
+
+
+def _shares(force: Float[Array, "p 3"], moment: Float[Array, "p 3"], body: Body) -> Shares:
+    """Coefficients of parts from their forces and moments over dynamic pressure."""
+    F, M = force.T / body.S, moment.T / body.S
+    return Shares(F[0], F[2], M[1] / body.c, F[1], -M[0] / body.b, -M[2] / body.b)
+
+
+def _surface_loads(halves: list[StripLoads], lay: Layout, point) -> tuple[list[Array], list[Array]]:
+    """Force and moment of every surface over dynamic pressure, see `lattice_forces.resultant`."""
+    ends = np.cumsum([0, *lay.strips])
+    pairs = []
+    for a, b in pairwise(ends):
+        own = lay._replace(weight=lay.weight[a:b], image=lay.image[a:b])
+        pairs.append(resultant([StripLoads(*[v[a:b] for v in h]) for h in halves], own, point))
+    return [force for force, _ in pairs], [moment for _, moment in pairs]
 
 
 def _transfer(force, point):

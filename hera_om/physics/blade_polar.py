@@ -137,6 +137,15 @@ def _periodic_cells(x) -> np.ndarray:
     return np.stack([eye, slope, bend / 2.0, (next_bend - bend) / (6.0 * h[:, None])], axis=1)
 
 
+def resampled(alpha, values, at) -> np.ndarray:
+    """Values [na, ...] over full incidence at other incidences, by the spline that a table has anyway."""
+    power = np.einsum("apx,x...->ap...", _periodic_cells(alpha), values[:-1])
+    i = np.clip(np.searchsorted(alpha, at, side="right") - 1, 0, len(alpha) - 2)
+    t = (at - alpha[i]).reshape(-1, *(1,) * (values.ndim - 1))
+    a, b, c, d = (power[i, p] for p in range(4))
+    return a + t * (b + t * (c + t * d))
+
+
 def _lift_line(alpha, lift) -> tuple[float, float]:
     """Slope about zero lift and incidence of zero lift, of one column; none where there is no lift at all."""
     if np.max(np.abs(lift)) == 0.0:

@@ -17,7 +17,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
-from hera_om.physics.disks import Wake, at_other_disks, disk_points, jet_factors, mean_slipstreams, rotor_loads
+from hera_om.physics.disks import Found, Wake, at_other_disks, disk_points, jet_factors, mean_slipstreams, rotor_loads
 from hera_om.physics.geometry import FLAT, Panels
 from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
 from hera_om.physics.layout import PLANE, Layout, layout
@@ -94,7 +94,7 @@ class Root(NamedTuple):
     """Equilibrium found without derivatives, and what carries derivatives through it."""
 
     flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by half, rotor and radius
-    phi: Array | None  # inflow angles of the blade elements there, rad
+    phi: Found | None  # inflow angles of the blade elements there, rad; speed and pitch of the rotors
 
 
 class Response(NamedTuple):
@@ -349,15 +349,17 @@ def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
         return out, *_answer(out, x, at, plan), i + 1
 
     start = jnp.zeros(n)
-    blank = jnp.zeros((_rotor_halves(plan, len(sides(x)) == 2), len(plan.groups), plan.radial, plan.azimuthal))
+    each = jnp.zeros((_rotor_halves(plan, len(sides(x)) == 2), len(plan.groups)))
+    blank = Found(jnp.zeros((*each.shape, plan.radial, plan.azimuthal)), each, each)
     _, flat, phi, _ = lax.while_loop(unfinished, step, (start - 1.0, start, blank, 0))
     return Root(flat, phi)
 
 
-def _answer(flat, x: Controls, at: Setting, plan: RotorPlan) -> tuple[Array, Array | None]:
-    """Induced velocities and inflow angles that the rotors answer with."""
+def _answer(flat, x: Controls, at: Setting, plan: RotorPlan) -> tuple[Array, Found | None]:
+    """Induced velocities that the rotors answer with, and what has been searched for."""
     answer = respond(flat, x, at, plan)
-    return answer.flat, None if answer.loads is None else answer.loads.phi
+    loads = answer.loads
+    return answer.flat, None if loads is None else Found(loads.phi, loads.omega, loads.pitch)
 
 
 def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: RotorPlan | None) -> Float[Array, " u"]:
@@ -379,4 +381,4 @@ def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wake, *, plan: 
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
     if wake is not None:
         stream = stream + NEIGHBOURS * at_other_disks(rotors, plan, wake, points, winds=winds(x))[: len(halves)]
-    return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, phi=phi)
+    return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, found=phi)

@@ -1,24 +1,38 @@
 """Rotors of an aircraft as a set: their disks in the flow, their loads, their slipstreams at any point."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Flow, RotorPlan, Rotors
+from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
 from hera_om.physics.finite_jet import ROUND_JET, jet_factor
 from hera_om.physics.lattice import MIRROR
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import slipstream_velocity
+from hera_om.physics.windmilling import Known, feathering_pitch, windmilling_speed
 
 EDGE_WIDTH = 0.1
 """Width of the slipstream's edge over the rotor radius: the shear layer of a propeller jet half a diameter
 to a diameter behind its disk (choice; see the limits of `slipstream`)."""
 
 
+SMEARED = 0.8
+"""Least width of that edge over the width of a strip: twice the distance of the points where a strip samples it."""
+TINY = 1e-12
+"""Keeps the length of a segment along the stream differentiable, m."""
 GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
 GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
+
+
+class Found(NamedTuple):
+    """What has been searched for in a solution of all rotors."""
+
+    phi: Float[Array, "h m nr npsi"]
+    omega: Float[Array, "h m"]
+    pitch: Float[Array, "h m"]
 
 
 class Wake(NamedTuple):
@@ -60,11 +74,14 @@ def rotor_loads(
     *,
     pitch: Float[Array, " g"],
     flow: Flow,
-    phi=None,
+    found: Found | None = None,
 ) -> RotorSolution:
     """Every rotor in the given stream (geometry axes, m/s); forces and moments in geometry axes too.
 
-    ``phi``, the inflow angles if they are known already, saves the search for them. The results have the leading
+    A failed rotor turns at the speed without torque (windmilling), stands still at its pitch (stopped) or at the
+    pitch without torque (feathered), all in the stream that it is in.
+
+    ``found``, the answer to the same values found before, saves the search for it. The results have the leading
     axes [h, m] of the streams.
     """
     halves, m = velocity.shape[:2]
@@ -72,29 +89,59 @@ def rotor_loads(
     local = jnp.einsum("mij,mrpj->mrpi", axes, velocity.reshape(halves * m, *velocity.shape[2:]))
 
     def one(blade, stream, angle, rotor, known):
-        return solve_rotor(
-            blade,
-            stream,
-            pitch=angle,
-            omega=rotor.omega,
-            radius=rotor.radius,
-            hub_radius=rotor.hub_radius,
-            n_blades=rotor.blades,
-            density=flow.density,
-            sound_speed=flow.sound_speed,
-            viscosity=flow.viscosity,
-            sense=rotor.sense,
-            tip_loss=plan.tip_loss,
-            hub_loss=plan.hub_loss,
-            phi=known,
-        )
+        phi = None if known is None else known.phi
+        return solve_rotor(blade, stream, pitch=angle, omega=rotor.omega, phi=phi, **_case(rotor, plan, flow))
 
     every = (blades(rotors, plan), pitch[jnp.asarray(plan.groups)], rotors)
     blade, angle, rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), every)
-    known = None if phi is None else phi.reshape(halves * m, *phi.shape[2:])
+    known = None if found is None else Found(*[v.reshape(halves * m, *v.shape[2:]) for v in found])
+    if plan.failed:
+        angle, omega = _failed(blade, local, angle, rotor=rotor, known=known, plan=plan, flow=flow)
+        rotor = rotor._replace(omega=omega)
     out = jax.vmap(one)(blade, local, angle, rotor, known)
     force, moment = (jnp.einsum("mi,mij->mj", v, axes) for v in (out.force, out.moment))
     return jax.tree.map(lambda v: v.reshape(halves, m, *v.shape[1:]), out._replace(force=force, moment=moment))
+
+
+def _case(rotor: Rotors, plan: RotorPlan, flow: Flow) -> dict[str, Any]:
+    """What `solve_rotor` takes beside blade, stream, pitch and speed."""
+    return {
+        "radius": rotor.radius,
+        "hub_radius": rotor.hub_radius,
+        "n_blades": rotor.blades,
+        "density": flow.density,
+        "sound_speed": flow.sound_speed,
+        "viscosity": flow.viscosity,
+        "sense": rotor.sense,
+        "tip_loss": plan.tip_loss,
+        "hub_loss": plan.hub_loss,
+        "stall_delay": plan.stall_delay,
+    }
+
+
+def _failed(blade: Blade, local, angle, *, rotor: Rotors, known: Found | None, plan: RotorPlan, flow: Flow):
+    """Pitch and speed of all rotors [h m], of those that have failed what has become of them."""
+    m, count = len(plan.groups), angle.shape[0]
+    places = {s: np.array([h * m + k for h, k, of in plan.failed if of == s], int) for s in FAILURES}
+    free, feathered, stopped = (places[s][places[s] < count] for s in FAILURES)
+
+    def speed(blade, stream, angle, rotor, known):
+        at = None if known is None else Known(known.omega, known.phi)
+        return windmilling_speed(blade, stream, pitch=angle, known=at, **_case(rotor, plan, flow))
+
+    def edge_on(blade, stream, _, rotor, known):
+        at = None if known is None else Known(known.pitch, known.phi)
+        return feathering_pitch(blade, stream, known=at, **_case(rotor, plan, flow))
+
+    def of(places):
+        return jax.tree.map(lambda v: v[places], (blade, local, angle, rotor, known))
+
+    omega = rotor.omega.at[np.concatenate([feathered, stopped])].set(0.0)
+    if free.size:
+        omega = omega.at[free].set(jax.vmap(speed)(*of(free)))
+    if feathered.size:
+        angle = angle.at[feathered].set(jax.vmap(edge_on)(*of(feathered)))
+    return angle, omega
 
 
 def mean_slipstreams(
@@ -110,21 +157,29 @@ def mean_slipstreams(
 
     A strip is as wide as a good part of a disk. Sampled at one point, what a slipstream does to it would
     jump as edges of disks pass that point: noise of two drag counts on 32 strips, which an optimiser exploits.
+    The edge is smeared over what lies between the points, so that derivatives of derivatives are smooth too.
     """
     at = jnp.concatenate([middles + t * spans for t in GAUSS_POINTS])
-    field = slipstreams(rotors, plan, wake, at, winds=winds)
+    blur = SMEARED * jnp.linalg.norm(spans[:, 1:] + TINY, axis=1)
+    field = slipstreams(rotors, plan, wake, at, winds=winds, blur=jnp.tile(blur, len(GAUSS_POINTS)))
     each = field.reshape(*field.shape[:2], len(GAUSS_POINTS), *middles.shape)
     return jnp.tensordot(each, jnp.asarray(GAUSS_WEIGHTS), axes=([2], [0]))
 
 
 def slipstreams(
-    rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "p 3"], *, winds: Float[Array, "h 3"]
+    rotors: Rotors,
+    plan: RotorPlan,
+    wake: Wake,
+    points: Float[Array, "p 3"],
+    *,
+    winds: Float[Array, "h 3"],
+    blur: Float[Array, " p"] | None = None,
 ) -> Float[Array, "h k p 3"]:
     """Velocity over the flight speed that each of k slipstreams adds at ``points`` of the starboard half, or of each.
 
     The port half is the starboard one as the plane mirrors it, so a half's own slipstreams, the first m, are seen
     at the points and those of the other half at the mirrored points. ``winds`` are the directions of the free
-    stream as the halves see it.
+    stream as the halves see it, ``blur`` (m) what widens the edges of the slipstreams at each point.
     """
     r = blades(rotors, plan).r
     axes = shaft_axes(rotors.incidence)[:, 0]
@@ -141,12 +196,13 @@ def slipstreams(
             v_swirl=swirl,
             sense=sense,
             speed=speed,
-            edge_width=EDGE_WIDTH * radius,
+            edge_width=jnp.sqrt((EDGE_WIDTH * radius) ** 2 + smeared**2),
             cross_stream=wind - speed * axis,
         )
 
     mirror, n = jnp.asarray(MIRROR), points.shape[0]
     both = jnp.concatenate([points, points * mirror])
+    smeared = jnp.zeros(2 * n) if blur is None else jnp.tile(blur, 2)
     by_rotor = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0, None))
     each = jnp.stack(
         [

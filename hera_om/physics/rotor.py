@@ -55,6 +55,10 @@ class RotorSolution(NamedTuple):
     """Torque absorbed by one blade per unit span, N m/m."""
     tip_mach: Float[Array, ""]
     """Helical tip Mach number."""
+    omega: Float[Array, ""]
+    """Angular speed, rad/s."""
+    pitch: Float[Array, ""]
+    """Blade angle at 75 % radius, rad."""
     phi: Float[Array, "nr npsi"]
     """Inflow angle of every element, rad; given back to ``solve_rotor`` it saves the search."""
     residual: Float[Array, ""]
@@ -312,6 +316,8 @@ def solve_rotor(
         blade_thrust=thrust_span,
         blade_torque=_column(blade.r) * drag_span,
         tip_mach=tip_speed / sound_speed,
+        omega=jnp.asarray(omega, dtype=float),
+        pitch=jnp.asarray(pitch, dtype=float),
         phi=phi,
         residual=jnp.max(jnp.abs(lax.stop_gradient(_residual(phi, elements, losses)))),
     )

@@ -147,7 +147,7 @@ def slipstream_velocity(
     v_swirl: Float[Array, " nr"],
     sense: ScalarLike,
     speed: ScalarLike,
-    edge_width: ScalarLike,
+    edge_width: ScalarLike | Float[Array, " n"],
     cross_stream: Float[Array, "3"] | ScalarLike = 0.0,
 ) -> Float[Array, "n 3"]:
     """Velocity that a rotor adds to the flow at ``points``: the mean flow of its vortex system.
@@ -178,8 +178,8 @@ def slipstream_velocity(
         v_swirl: mean induced swirl at the disk, m/s, likewise.
         sense: +1 or -1, turning about ``axis`` (``rotor.sense_sign``).
         speed: axial speed of the undisturbed stream at the disk, m/s.
-        edge_width: width, m at the disk, over which the profile goes to zero, centred on the edge of the
-            tube by a quintic step.
+        edge_width: width, m at the disk, one or by point, over which the profile goes to zero, centred on the edge
+            of the tube by a quintic step.
         cross_stream: velocity of the undisturbed stream across the shaft, m/s.
 
     Returns:

@@ -2,6 +2,7 @@
 
 # ruff: noqa: E501  (a row of the table reads best as one line)
 
+import json
 import os
 import re
 from importlib import resources
@@ -34,6 +35,10 @@ def edit(table, key, new, text=TEXT):
     assert found, (table, key)
     return text[: found.start()] + new + text[found.end() :]
 
+
+ROWS = [f"{a},1e6,0,{0.1 * a},0.01" for a in range(-12, 14, 3)]
+TABLE = json.dumps("\n".join(["alpha_deg,reynolds,mach,cl,cd", *ROWS]))  # as text of TOML
+FAILED = "{ rotor = 'electric', number = 2, side = 'port', state = 'stopped' }"
 
 ONE_FAULT = [
     # table, key, new line -> key of the report, value, part of what was expected
@@ -103,6 +108,30 @@ ONE_FAULT = [
     ("[[blade]]", "c", "c = [0.78, 0.5, 0.16, 0.165, 0.16, 0.15, 0.135, 0.11, 0.09, 0.06]", "blade.main.c.0", 0.78,
      "overlap"),
     ("[[blade]]", "hub", "hub = 0.25", "blade.main.hub", 0.25, "at most the first station"),
+    ("[[blade]]", "hub", "hub = 0.2\nstall_delay = 1", "blade.main.stall_delay", 1, "true or false"),
+    ("[[blade]]", "hub", "hub = 0.2\npolar_table = 3", "blade.main.polar_table", 3, "a table"),
+    ("[[blade]]", "hub", "hub = 0.2\npolar_table = { file = 'no.csv' }", "blade.main.polar_table.file", "no.csv", "a CSV file"),
+    ("[[blade]]", "hub", "hub = 0.2\npolar_table = { }", "blade.main.polar_table", None, "one of file, neuralfoil and csv"),
+    ("[[blade]]", "hub", f"hub = 0.2\npolar_table = {{ csv = {TABLE} }}", "blade.main", "polar, polar_table", "one of polar and"),
+    ("[[blade]]", "hub", f"hub = 0.2\npolar_table = {{ csv = {TABLE}, extend = 1 }}", "blade.main.polar_table.extend", 1, "true or false"),
+    ("[[blade]]", "hub", f"hub = 0.2\npolar_table = {{ csv = {TABLE}, extend = false }}", "blade.main.polar_table.extend",
+     False, "true, or a table from -180 to 180 degrees, which a blade needs: x.toml: blade.main.polar_table.csv covers -12 to 12"),
+    ("[[blade]]", "hub", f"hub = 0.2\npolar_table = {{ csv = {TABLE}, compressible = 'no' }}",
+     "blade.main.polar_table.compressible", "no", "true or false"),
+    ("[[blade]]", "hub", f"hub = 0.2\npolar_table = {{ csv = {TABLE}, aspect_ratio = 0.0 }}",
+     "blade.main.polar_table.aspect_ratio", 0.0, "a finite number > 0"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('electric', 'elektric')}]", "flight.failed[0].rotor", "elektric",
+     "did you mean electric"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('2', '3')}]", "flight.failed[0].number", 3, "at most 2"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('2', '0')}]", "flight.failed[0].number", 0, "an integer >= 1"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('port', 'left')}]", "flight.failed[0].side", "left",
+     "'starboard' or 'port' or 'both'"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('stopped', 'lost')}]", "flight.failed[0].state", "lost",
+     "'windmilling' or 'feathered' or 'stopped'"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED}, {FAILED.replace('port', 'both')}]", "flight.failed[1]",
+     "electric_2_both", "not failed already"),
+    ("[flight]", "mach", f"mach = 0.5\nfailed = [{FAILED.replace('}', ', pitch = 1 }')}]", "flight.failed[0].pitch", 1,
+     "no such key"),
     ("[[mass]]:wing", "x_m", "x_m = nan", "mass.wing.x_m", "nan", "a finite number"),
     ("[[mass]]:wing", "x_m", "x_m = -inf", "mass.wing.x_m", "-inf", "a finite number"),
     ("[[mass]]:wing", "tracks", 'tracks = "wings"', "mass.wing.tracks", "wings", "'rotor:<group>'"),

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hera_om.aircraft.polar_data import neuralfoil_table, polar_arrays
-from hera_om.aircraft.polars import NeuralFoil, PolarTable, load_polar_tables
+from hera_om.aircraft.polar_data import mach_numbers, neuralfoil_table, polar_arrays
+from hera_om.aircraft.polars import BladePolarTable, NeuralFoil, PolarTable, load_polar_tables
 from hera_om.core.errors import InputError
 
 HEAD = "alpha_deg,reynolds,mach,cl,cd"
@@ -189,3 +189,54 @@ def test_neuralfoil_itself():
     assert 0.0048 < arrays.cd[:, 0, 0].min() < 0.0066
     assert 1.45 < arrays.cl[:, 1, 0].max() < 2.0
     np.testing.assert_allclose(arrays.cm[16, 0, 0], -0.05, atol=0.012)
+
+
+# --- blades
+
+
+def blade_data(**polar_table):
+    stations = {"r": [0.2, 0.7, 0.8, 1.0], "c": [0.1, 0.22, 0.18, 0.1]}
+    return {"blade": [{"name": "b", **stations, "polar_table": polar_table}]}
+
+
+def test_table_of_a_blade_is_copied_with_its_aspect_ratio(tmp_path, monkeypatch):
+    """R/c at 75 % of the radius, once; a table over full incidence needs none."""
+    fake_neuralfoil(monkeypatch)
+    (tmp_path / "b.csv").write_text(table())
+    wanted = {"airfoil": "clarky", "n_crit": 7.0, "model": "large", "alpha_step_deg": 4.0}
+    for raw in ({"file": "b.csv"}, {"neuralfoil": wanted}, {"csv": table()}):
+        data = blade_data(**raw)
+        assert load_polar_tables(data, tmp_path, "a.toml") == []
+        got = BladePolarTable.model_validate(data["blade"][0]["polar_table"])
+        assert got.aspect_ratio == pytest.approx(5.0) and got.extend and got.compressible
+        assert got.csv and (got.file, got.neuralfoil) == (None, None)
+        data["blade"][0]["c"] = [0.2] * 4
+        assert load_polar_tables(data, None, "a.toml") == []
+        assert BladePolarTable.model_validate(data["blade"][0]["polar_table"]) == got
+    full = table([(a, 1e6, 0.0, float(np.sin(np.radians(a))), 0.1) for a in (-180.0, -90.0, 0.0, 90.0, 180.0)])
+    data = blade_data(csv=full, extend=False)
+    assert load_polar_tables(data, None, "a.toml") == []
+    assert "aspect_ratio" not in data["blade"][0]["polar_table"]
+
+
+def test_mach_numbers_of_a_table_of_a_blade():
+    one = table([p for p in POINTS if p[2] == 0.0])
+    assert mach_numbers(one, True) == (0.0, 0.2, 0.4, 0.5, 0.6, 0.7)
+    assert mach_numbers(one, False) == (0.0,) and mach_numbers(table(), True) == MACH
+
+
+def test_faulty_table_of_a_blade_is_emptied_and_reported_once():
+    for raw, said in (
+        ({"csv": table(), "extend": False}, "a.toml: blade.b.polar_table.extend: got False, expected true, or a table"),
+        ({"csv": table(POINTS[1:])}, "a.toml: blade.b.polar_table.csv: point alpha_deg = -8"),
+        ({}, "a.toml: blade.b.polar_table: got nothing, expected one of file, neuralfoil and csv"),
+    ):
+        data = blade_data(**raw)
+        (problem,) = load_polar_tables(data, None, "a.toml")
+        assert str(problem).startswith(said)
+        assert data["blade"][0]["polar_table"] == {}
+    for stations in (None, ["a"], [[1.0]], [float("nan")] * 4):  # what the schema will refuse
+        data = blade_data(csv=table())
+        data["blade"][0]["c"] = stations
+        assert load_polar_tables(data, None, "a.toml") == []
+        assert "aspect_ratio" not in data["blade"][0]["polar_table"]

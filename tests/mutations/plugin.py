@@ -139,6 +139,7 @@ def _nothing(old):
 
 PHYSICS = "tests/physics/"
 BLOWN = f"{PHYSICS}test_aerodynamics.py::"
+TUNNEL = "tests/components/test_propeller_wing.py::"
 SLIPSTREAMS = ("coupling:mean_slipstreams", "aerodynamics:mean_slipstreams")
 MUTATIONS = {
     "slipstream_off": Mutation(
@@ -154,6 +155,17 @@ MUTATIONS = {
         BLOWN + "test_the_sense_of_rotation_decides_which_side_of_the_hub_is_lifted",
         True,
     ),
+    "slipstream_off_in_the_tunnel": Mutation(
+        "slipstream on surfaces",
+        ("coupling:SLIPSTREAM", "aerodynamics:SLIPSTREAM"),
+        0.0,
+        TUNNEL + "test_model_I",
+    ),
+    "swirl_flipped_before_dust": Mutation(
+        "sign of the swirl", SLIPSTREAMS, _mirrored_swirl, TUNNEL + "test_the_dipole_of_dust", wrap=True
+    ),
+    "finite_jet_off": Mutation("height of the jets", ("coupling:FINITE_JET",), 0.0, TUNNEL + "test_model_II"),
+    "skew_off": Mutation("turn of slipstreams to the stream", ("slipstream:SKEW",), 0.0, TUNNEL + "test_model_II"),
     "senses_swapped": Mutation(
         "names of the senses of rotation",
         ("rotor_blade:SENSES",),
@@ -172,6 +184,12 @@ MUTATIONS = {
         ("coupling:UPWASH",),
         0.0,
         PHYSICS + "test_disks_coupling.py::test_upwash_of_the_wing_loads_the_disk",
+    ),
+    "neighbours_off": Mutation(
+        "slipstream of a rotor at another's disk",
+        ("coupling:NEIGHBOURS",),
+        0.0,
+        PHYSICS + "test_disks_coupling.py::test_a_rotor_behind_another_works_in_its_slipstream",
     ),
     "prandtl_glauert_off": Mutation(
         "compressibility",

@@ -201,3 +201,80 @@ def test_a_rotor_alone_and_a_wing_alone_need_no_iteration(at):
     np.testing.assert_allclose(found.wake.axial, found.loads.v_axial / 90.0, rtol=1e-12)
     root = find_root(state(), at, None)
     assert root.flat.shape == (0,) and root.phi is None
+
+
+# --- one rotor behind another
+
+FRONT, REAR = -7.0, -1.0
+TANDEM = PLAN._replace(groups=(0, 1), radial=8, azimuthal=4)
+
+
+@pytest.fixture(scope="module")
+def tandem():
+    """Loads of two coaxial rotors ahead of a wing at no incidence, the rear one turning one way or the other."""
+    one = rotor(incidence=0.0)
+    pair = jax.tree.map(lambda v: jnp.concatenate([v, v]), one)
+    pair = pair._replace(hub=jnp.array([[FRONT, 3.0, 0.0], [REAR, 3.0, 0.0]]))
+
+    @jax.jit
+    def solve(pitch, sense):
+        rotors = pair._replace(sense=pair.sense * jnp.stack([jnp.ones(()), sense]))
+        at = Setting(make_system(surfaces(), rotors, TANDEM, flow().mach, MODEL), rotors, flow(), 2.2, 16.0)
+        x = Controls(jnp.zeros(()), jnp.zeros(()), jnp.zeros(0), jnp.stack([pitch, pitch]), jnp.zeros(0))
+        root = find_root(x, at, TANDEM)
+        return respond(root.flat, x, at, TANDEM, root.phi).loads
+
+    return lambda sense=1.0, pitch=PITCH: jax.tree.map(lambda v: v[0], solve(pitch, sense))
+
+
+@pytest.fixture(scope="module")
+def in_stream():
+    """The rear rotor alone in a uniform stream with a swirl over the radius."""
+
+    @jax.jit
+    def solve(speed, swirl, sense):
+        alone = rotor(incidence=0.0)
+        plan = PLAN._replace(radial=8)
+        points = disk_points(alone, plan)[0] - alone.hub[0]
+        about = jnp.stack([0.0 * points[..., 0], -points[..., 2], points[..., 1]], axis=-1)
+        turning = swirl[:, None, None] * about / jnp.linalg.norm(about, axis=-1, keepdims=True)
+        velocity = (jnp.array([1.0, 0.0, 0.0]) * speed + turning)[None, None]
+        loads = rotor_loads(
+            alone._replace(sense=alone.sense * sense), plan, velocity, pitch=jnp.array([PITCH]), flow=flow()
+        )
+        return loads.thrust[0, 0], loads.torque[0, 0]
+
+    return solve
+
+
+def test_a_rotor_behind_another_works_in_its_slipstream(tandem, in_stream):
+    """Far enough behind, the front rotor's jet has reached twice its velocity at the disk: the rear rotor, with the
+    same pitch, pulls as one in a stream that is faster by so much.
+    """
+    load = tandem()
+    front, rear = (float(v) for v in load.thrust)
+    assert rear < 0.9 * front
+    weights = np.asarray(blades(rotor(), PLAN._replace(radial=8)).r)[0]
+    mean = float(np.average(load.v_axial[0], weights=weights))
+    alone = float(in_stream(90.0, jnp.zeros(8), 1.0)[0])
+    faster = float(in_stream(90.0 + 2.0 * mean, jnp.zeros(8), 1.0)[0])
+    assert front == pytest.approx(alone, rel=0.03)
+    opposed = tandem(-1.0)
+    between = 0.5 * (rear + float(opposed.thrust[1]))  # swirl changes it by as much either way
+    assert between - front == pytest.approx(faster - alone, rel=0.15)
+
+
+def test_a_counter_rotating_rotor_takes_up_the_swirl(tandem, in_stream):
+    """Against the swirl the blades meet the air faster and at a larger angle, along with it slower: torque and thrust
+    of the rear rotor differ by what twice the front rotor's swirl at the disk makes.
+    """
+    same, opposed = tandem(), tandem(-1.0)
+    np.testing.assert_allclose(same.thrust[0], opposed.thrust[0], rtol=1e-2)
+    assert float(opposed.torque[1]) > 1.03 * float(same.torque[1])
+    assert float(opposed.thrust[1]) > 1.03 * float(same.thrust[1])
+    radii = np.asarray(blades(rotor(), PLAN._replace(radial=8)).r)[0]
+    swirl = -2.0 * same.v_swirl[0]  # inboard-up turns negatively
+    mean = float(np.average(same.v_axial[0], weights=radii))
+    ends = [in_stream(90.0 + 2.0 * mean, swirl, turn) for turn in (1.0, -1.0)]
+    for i, found in enumerate((opposed.thrust[1] - same.thrust[1], opposed.torque[1] - same.torque[1])):
+        assert float(found) == pytest.approx(float(ends[1][i] - ends[0][i]), rel=0.2)

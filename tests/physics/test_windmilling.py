@@ -11,7 +11,7 @@ from hera_om.physics import blade_polar as bp
 from hera_om.physics import polar_extension as pe
 from hera_om.physics import rotor as ro
 from hera_om.physics.section_polar import SectionPolar
-from hera_om.physics.windmilling import windmilling_speed
+from hera_om.physics.windmilling import Known, feathering_pitch, windmilling_speed
 
 RADIUS, HUB, NR, NPSI = 1.95, 0.2925, 8, 6
 R = jnp.linspace(0.15, 1.0, 6)
@@ -113,6 +113,78 @@ def test_blade_feathered_past_flat_turns_backwards():
     (omega, found), _ = free(np.radians(95.0), 100.0, 0.0)
     assert float(omega) < 0.0
     np.testing.assert_allclose(found.moment[0], 0.0, atol=1e-6)
+
+
+@jax.jit
+def edge_on(speed, incidence, twist):
+    """Feathering pitch of the blade with more or less twist, and what the rotor does there."""
+    feathered = blade()._replace(twist=twist * blade().twist)
+    pitch = feathering_pitch(feathered, stream(speed, incidence), **AIR)
+    return pitch, ro.solve_rotor(feathered, stream(speed, incidence), pitch=pitch, omega=0.0, **AIR)
+
+
+@settings(max_examples=20)
+@given(speed=st.floats(5.0, 200.0), incidence=st.floats(-15.0, 15.0), twist=st.floats(0.0, 1.5))
+def test_no_torque_at_the_feathering_pitch(speed, incidence, twist):
+    """Edge-on within the twist of the blade; the drag is at least that of sections at cd_min."""
+    pitch, found = edge_on(speed, np.radians(incidence), twist)
+    assert abs(float(found.torque)) < 1e-9 * 0.55 * speed**2 * RADIUS**3
+    assert 72.0 < np.degrees(float(pitch)) < 92.0
+    area, direction = 6.0 * float(jnp.sum(blade().chord * blade().dr)), np.radians(incidence)
+    drag = float(found.force @ np.array([np.cos(direction), 0.0, np.sin(direction)]))
+    assert drag > 0.5 * 0.55 * (speed * np.cos(direction)) ** 2 * area * 0.008
+
+
+def test_an_untwisted_blade_feathers_at_its_angle_of_zero_lift():
+    pitch, found = edge_on(100.0, 0.0, 0.0)
+    mean = np.degrees(float(pitch))
+    assert mean == pytest.approx(90.0 - 3.0, abs=0.1)  # drag edge-on has no torque, lift is none at -3 degrees
+    area = 6.0 * float(jnp.sum(blade().chord * blade().dr))
+    cd = 0.008 + 0.010 * 0.3**2
+    assert -float(found.thrust) == pytest.approx(0.5 * 0.55 * 100.0**2 * area * cd, rel=0.02)
+
+
+def test_drag_of_failed_rotors_over_pitch():
+    """The negative thrust of a free rotor grows as its pitch falls, and feathering greatly reduces the drag of a locked
+    one (Hartman, NACA Report 464, 1933). Free from friction, a rotor at a high pitch drags little.
+    """
+    drag = {}
+    for pitch in (3.0, 20.0, 45.0):
+        (_, windmill), _ = free(np.radians(pitch), 100.0, 0.0)
+        locked, _ = states(np.radians(pitch), 100.0 / (TURNS * 2.0 * RADIUS), 0.0, 0.0)
+        drag[pitch] = -float(windmill.thrust), -float(locked.thrust)
+    feathered = -float(edge_on(100.0, 0.0, 1.0)[1].thrust)
+    assert drag[3.0][0] > 1.5 * drag[3.0][1]
+    assert drag[3.0][0] > 10.0 * drag[20.0][0] > 10.0 * drag[45.0][0] > 0.0
+    assert 0.0 < feathered < 0.1 * drag[20.0][1]
+    assert feathered < drag[20.0][0]
+    disk, area = np.pi * RADIUS**2, 6.0 * float(jnp.sum(blade().chord * blade().dr))
+    assert drag[3.0][0] < 1.3 * 0.5 * 0.55 * 100.0**2 * disk  # no more than a parachute of its disk
+    assert drag[3.0][1] == pytest.approx(1.4 * 0.5 * 0.55 * 100.0**2 * area, rel=0.15)  # blades square to the stream
+
+
+def test_a_known_answer_gives_value_and_derivatives():
+    """Both searches, and their derivatives, from what was found before."""
+    where = stream(100.0, 0.1)
+
+    def both(x, known):
+        case = AIR | {"density": x[1]}
+        free = windmilling_speed(blade(), where * x[2], pitch=x[0], known=known and known[0], **case)
+        return jnp.stack([free / 100.0, feathering_pitch(blade(), where * x[2], known=known and known[1], **case)])
+
+    x = jnp.array([0.6, 0.55, 1.0])
+    value = jax.jit(lambda x: both(x, None))(x)
+    at = [
+        ro.solve_rotor(blade(), where, pitch=pitch, omega=omega, **AIR).phi
+        for pitch, omega in ((0.6, 100.0 * value[0]), (value[1], 0.0))
+    ]
+    known = Known(100.0 * value[0], at[0]), Known(value[1], at[1])
+    np.testing.assert_allclose(jax.jit(lambda x: both(x, known))(x), value, rtol=1e-12)
+    slopes = jax.jit(jax.jacfwd(lambda x: both(x, known)))(x)
+    for i, h in enumerate((1e-4, 1e-4, 1e-4)):
+        step = np.eye(3)[i] * h
+        run = jax.jit(lambda x: both(x, None))
+        np.testing.assert_allclose(slopes[:, i], (run(x + step) - run(x - step)) / (2.0 * h), atol=2e-6)
 
 
 def test_first_derivative_of_the_windmilling_speed():
