@@ -34,6 +34,9 @@ SIDESLIP = """
 Lateral derivatives in the default convention, not held: AVL puts no force on chordwise filaments. In sideslip they
 carry one, and with it roll by sideslip grows with lift, as it does on real wings.
 """
+BLOWN = """What propellers add to wings in wind tunnels. The tolerances are what is reached, not what was wished: see
+`docs/theory/rotors_and_slipstream.md`, which also has the loads along the span (Model I, DUST).
+"""
 LINE = "| {} | {} | {:.6g} | {:.6g} | {:+.2f} % | {} | {:.2g} % |"
 
 
@@ -74,6 +77,7 @@ def document() -> str:
     tests = ROOT / "tests" / "physics"
     wing, aircraft = load(tests / "test_lattice.py"), load(tests / "test_aerodynamics.py")
     avl, unsteady = load(tests.parent / "components" / "test_avl_case.py"), load(tests / "test_unsteady_lattice.py")
+    order, blown = load(tests / "test_lattice_order.py"), load(tests.parent / "components" / "test_propeller_wing.py")
     page = [HEAD, "## Wings alone", ""]
     cases = (
         wing.simple_wing_rows,
@@ -84,7 +88,7 @@ def document() -> str:
         wing.elliptic_rows,
         wing.rectangular_rows,
     )
-    page += table([row for case in cases for row in case(REFERENCE)])
+    page += table([row for case in (*cases, order.bertin_converged_rows) for row in case(REFERENCE)])
     page += ["## Wing and tail", ""]
     tags = ("base", "fine", "base_m04")
     page += table([row for tag in tags for row in aircraft.wing_tail_rows(REFERENCE, tag)])
@@ -96,6 +100,8 @@ def document() -> str:
     page += [SIDESLIP, *table(stated, held=False)]
     page += ["## Unsteady flow", ""]
     page += table(unsteady.theodorsen_rows(REFERENCE))
+    page += ["## Propellers and wings", "", BLOWN]
+    page += table([*blown.model_II_rows(REFERENCE), *blown.prowim_rows(REFERENCE)])
     page += ["## Mutations", "", "`make mutations` switches each effect off and sees its test fail.", ""]
     page += mutations(load(ROOT / "tests" / "mutations" / "plugin.py"))
     return "\n".join(page)

@@ -19,7 +19,7 @@ from hera_om.core.errors import AnalysisFailure, InputError, Problem, RecordErro
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXT = (resources.files("hera_om.aircraft") / "data" / "hera_like.toml").read_text("utf-8")
-COMMANDS = ("check", "analyze", "trim", "mdo", "train", "report")
+COMMANDS = ("check", "analyze", "trim", "mdo", "train", "interaction", "report")
 HEAVY = "jax jaxlib openmdao pandas pydantic numpy scipy smt matplotlib rich".split()
 SQLITE = b"SQLite format 3\0"
 ENV = {k: v for k, v in os.environ.items() if k != "PYTHONUNBUFFERED"} | {"PYTHONPATH": str(ROOT)}
@@ -43,6 +43,18 @@ POINT = {
     "cl_span": np.array([0.5, 0.6]),
 }
 
+PART = {c: 0.25 for c in ("CX", "CZ", "Cm", "CX_alpha", "CZ_alpha", "Cm_alpha")}
+INTERACTION = {
+    "aircraft": "hera_like",
+    "hash": "0" * 64,
+    "table2": [{"table": 2, "case": "0 deg", "ours": {"thrust change": 5.5}, "paper": {"thrust change": 11.21}}],
+    "table3": [{"table": 3, "case": "Fuselage + tail", "ours": {"CZ_alpha": 0.0123}, "paper": {"CZ_alpha": 0.014139}}],
+    "differences": [
+        {"table": 2, "case": "0 deg", "quantity": "thrust change", "ours": 5.5, "paper": 11.21, "ratio": 0.49}
+    ],
+    "split": [{"alpha": 0.0, "power_on": {"wing": PART, "rotors": PART}, "slipstream": {"wing": PART}}],
+}
+
 
 def python(code, *words, cwd=None, **options):
     """Run the command line, after some code, in a process of its own."""
@@ -64,6 +76,7 @@ def studies(monkeypatch, tmp_path):
         "trim": {"trimmed": True, "saturated": [], "values": POINT, "aircraft": "hera_like"},
         "mdo": {"baseline": {"CL": 0.5}, "optimum": {"CL": 0.6}, "constraints": {}, "feasible": True},
         "train": {"quality": [{"output": "CL", "r2": 0.999, "re": 0.5}], "path": "x.npz"},
+        "interact": INTERACTION,
         "write_report": None,
     }
 
@@ -78,7 +91,7 @@ def studies(monkeypatch, tmp_path):
         return run
 
     for module, names in (
-        ("studies", ("analyze", "trim", "mdo", "train")),
+        ("studies", ("analyze", "trim", "mdo", "train", "interact")),
         ("post", ("write_report",)),
     ):
         stand_in = types.ModuleType(f"hera_om.{module}")
@@ -129,7 +142,7 @@ def test_help_imports_nothing_heavy(words):
 def test_help_names_every_command_and_ends_with_0():
     done = hera_om("--help")
     assert done.returncode == 0 and not done.stderr
-    assert all(re.search(rf"^    {c} ", done.stdout, re.MULTILINE) for c in COMMANDS)
+    assert all(re.search(rf"^    {c}\b", done.stdout, re.MULTILINE) for c in COMMANDS)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -319,6 +332,32 @@ def test_bad_option_is_reported(words, named, expected, run, studies, tmp_path):
     assert status == 2 and error_of(out)["kind"] == "input" and error_of(out)["problems"]
     assert not studies.calls
     assert (tmp_path / "precious.txt").read_bytes() == b"my notes"
+
+
+# --- interaction
+
+
+def test_interaction_shows_both_tables_and_the_parts(run, studies):
+    status, out, err = run("interaction", "hera_like")
+    assert status == 0 and not err
+    assert re.search(r"0 deg +thrust change +5\.5 +11\.21 +%", out)
+    assert re.search(r"Fuselage \+ tail +CZ_alpha +0\.0123 +0\.014139 +1/deg", out)
+    assert "Added by the slipstreams at 0 deg" in out and re.search(r"rotors +0\.25", out)
+    assert strict(run("interaction", "hera_like", "--json")[1])["differences"][0]["ratio"] == 0.49
+
+
+def test_interaction_refuses_what_is_no_folder(run, studies, tmp_path):
+    (tmp_path / "file").write_text("mine")
+    status, out, _ = run("interaction", "hera_like", "--out", "file", "--json")
+    (problem,) = error_of(out)["problems"]
+    assert status == 2 and problem["key"] == "--out" and problem["value"] == "file" and not studies.calls
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_analysis_shows_parts(run, studies):
+    studies.results["analyze"] |= {"parts": {"wing": PART, "rotors": PART}}
+    out = run("analyze", "hera_like")[1]
+    assert re.search(r"Parts.*\n.*CX +CZ +Cm.*\n +wing +0\.25", out)
 
 
 # --- what reaches the studies

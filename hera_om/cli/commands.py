@@ -1,10 +1,14 @@
 """One function for each command: arguments in, result, table and failure out. Heavy imports stand inside."""
 
 import argparse
+import os
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from hera_om.cli.output import FAILED, Failure, count, plain, progress
+from hera_om.cli.parser import COMMAND_LINE
+from hera_om.core.errors import InputError, Problem
 
 
 class Outcome(NamedTuple):
@@ -101,6 +105,39 @@ def train(args: argparse.Namespace) -> Outcome:
     return Outcome(plain(result), train_text)
 
 
+def interaction(args: argparse.Namespace) -> Outcome:
+    """Rotors, wing and tail, together and taken apart."""
+    from hera_om.cli.inputs import prepare
+    from hera_om.cli.tables import interaction_text
+
+    aircraft = prepare(args)
+    folder = _folder(args.folder)
+    from hera_om.studies import interact
+
+    result = plain(interact(aircraft))
+    if folder is not None:
+        from hera_om.post.figures_interaction import write_figures
+
+        result |= {"figures": [str(path) for path in write_figures(result, folder)]}
+    return Outcome(result, interaction_text)
+
+
+def _folder(name: str | None) -> Path | None:
+    """A folder for figures, made if it is not there; bad input if it cannot be."""
+    if name is None:
+        return None
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        expected = f"a folder that exists or can be made ({reason.lower()})"
+        raise InputError([Problem(COMMAND_LINE, "--out", name, expected)]) from None
+    if not os.access(folder, os.W_OK):
+        raise InputError([Problem(COMMAND_LINE, "--out", name, "a folder that can be written")])
+    return folder
+
+
 def report(args: argparse.Namespace) -> Outcome:
     """The page of a run."""
     from hera_om.cli.inputs import page_file, record_file
@@ -114,7 +151,7 @@ def report(args: argparse.Namespace) -> Outcome:
     return Outcome(result, lambda r: f"wrote {r['report']}")
 
 
-COMMANDS = {f.__name__: f for f in (check, analyze, trim, mdo, train, report)}
+COMMANDS = {f.__name__: f for f in (check, analyze, trim, mdo, train, interaction, report)}
 
 
 def _not_trimmed(result: Mapping[str, Any]) -> Failure:

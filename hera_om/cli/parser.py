@@ -127,6 +127,12 @@ def _add_train(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_interaction(parser: argparse.ArgumentParser) -> None:
+    """Options of ``interaction``."""
+    _add_aircraft(parser)
+    parser.add_argument("--out", dest="folder", metavar="FOLDER", help="draw the figures as PNG into this folder")
+
+
 def _add_report(parser: argparse.ArgumentParser) -> None:
     """Options of ``report``."""
     parser.add_argument("database", metavar="DB", help="database of a run")
@@ -139,5 +145,6 @@ _COMMANDS: dict[str, tuple[str, Callable[[argparse.ArgumentParser], None]]] = {
     "trim": ("angle of attack, elevator and blade pitches for steady flight", _add_trim),
     "mdo": ("optimise the design variables of the definition", _add_mdo),
     "train": ("train surrogates of the aerodynamics and judge them on unseen points", _add_train),
+    "interaction": ("what rotors, wing and tail do to each other, beside the paper's Tables 2 and 3", _add_interaction),
     "report": ("turn the database of a run into a page of tables and pictures", _add_report),
 }

@@ -92,6 +92,47 @@ def train_text(result: Result) -> str:
     return _join(_title(result), _section("Quality on unseen points", body, columns), where)
 
 
+def interaction_text(result: Result) -> str:
+    """Tables 2 and 3 beside the paper's, what differs from it much, and the parts of the derivatives."""
+    units = {"L_over_D": "", "thrust": "N", "change": "%"}
+    rows = [
+        (row["case"], name, row["ours"][name], row["paper"].get(name), _kind_unit(name, units))
+        for row in [*result.get("table2", ()), *result.get("table3", ())]
+        for name in row["ours"]
+    ]
+    far = [
+        (f"Table {d['table']}, {d['case']}", d["quantity"], d["ours"], d["paper"], f"{d['ratio']:.2f}")
+        for d in result.get("differences", ())
+    ]
+    shares = [
+        _parts(state[key], f"{title} at {state['alpha']:g} deg")
+        for state in result.get("split", ())
+        for key, title in (("power_on", "Parts, power on"), ("slipstream", "Added by the slipstreams"))
+    ]
+    figures = result.get("figures")
+    return _join(
+        _title(result),
+        _section("Tables 2 and 3, slopes per degree", rows, ("", "", "ours", "paper", "unit")),
+        _section("Beyond a factor of 1.5, or of another sign", far, ("", "", "ours", "paper", "ours/paper")),
+        *shares,
+        f"wrote {', '.join(figures)}" if figures else "",
+    )
+
+
+def _kind_unit(name: str, units: Mapping[str, str]) -> str:
+    """Unit of a row: of its last word that has one, else that of a slope."""
+    return next((units[k] for k in ("change", "thrust", "L_over_D") if k in name), "1/deg")
+
+
+def _parts(parts: Any, title: str = "Parts") -> str:
+    """Longitudinal coefficients of each part and their derivatives by incidence."""
+    columns = ("CX", "CZ", "Cm", "CX_alpha", "CZ_alpha", "Cm_alpha")
+    if not isinstance(parts, Mapping) or not all(c in values for values in parts.values() for c in columns):
+        return ""
+    body = [[name, *(_figure(values[c], 5) for c in columns)] for name, values in parts.items()]
+    return _section(f"{title} (derivatives per radian)", body, ("", *columns))
+
+
 def saturated_names(result: Result) -> list[str]:
     """Controls at their bounds."""
     return [str(name) for name in result.get("saturated") or ()]
@@ -117,6 +158,7 @@ def _analysis(values: Result, units: Mapping[str, Any]) -> list[str]:
         _stall(values),
         _drag(values),
         _derivatives(values),
+        _parts(values.get("parts")),
         _rotors(values, units),
         _quantities("Stability", _STABILITY, values, units),
         _quantities("Mass and structure", _MASS, values, units),

@@ -4,13 +4,14 @@ from typing import Any
 
 _HOME = {
     "analyze": "analysis",
+    "interact": "interaction",
     "trim": "trimming",
     "mdo": "optimisation",
     "run": "optimisation",
     "train": "training",
 }
 
-__all__ = ["analyze", "mdo", "run", "train", "trim"]
+__all__ = ["analyze", "interact", "mdo", "run", "train", "trim"]
 
 
 def __getattr__(name: str) -> Any:
