@@ -26,6 +26,20 @@ settings.register_profile("hera_om", deadline=None, derandomize=True, max_exampl
 settings.load_profile("hera_om")
 
 
+MAPS = 20_000  # memory maps of a process; Linux allows 65 530, and compiled code takes several a kernel
+
+
+@pytest.fixture(autouse=True, scope="module")
+def room_for_code():
+    """Compiled code is dropped between modules before a worker runs out of memory maps, which aborts it."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.exists() and len(maps.read_bytes().splitlines()) > MAPS:
+        import jax
+
+        jax.clear_caches()
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Root of the checkout."""

@@ -10,6 +10,8 @@ from hera_om.aircraft.reference import SectionPlace, wing_sections
 from hera_om.aircraft.rotors import Rotor, hub_ys
 from hera_om.aircraft.rules import Finding
 
+NEAR = 1.1
+
 
 class Disk(NamedTuple):
     """A rotor disk on the starboard side [m]."""
@@ -151,6 +153,13 @@ def _leading_edge(places: tuple[SectionPlace, ...], y: float) -> SectionPlace:
             t = (y - a.y) / (b.y - a.y)
             return SectionPlace(a.x + t * (b.x - a.x), y, a.z + t * (b.z - a.z))
     return places[-1]
+
+
+def slipstreams_meet_disks(aircraft: Aircraft) -> bool:
+    """Whether a disk stands behind another, seen from the front, within a tenth of their radii."""
+    disks = [disk for rotor in aircraft.rotor for disk in _disks(aircraft, rotor)]
+    pairs = combinations(disks, 2)
+    return any(math.hypot(b.y - a.y, b.z - a.z) < NEAR * (a.radius + b.radius) for a, b in pairs)
 
 
 def _overlaps(disks: list[Disk]) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from hera_om.aircraft.lifting_surfaces import LiftingSurface, commands, lifting_
 from hera_om.aircraft.polar_data import blade_arrays, mach_numbers, polar_arrays
 from hera_om.aircraft.reference import reference_b, reference_c, reference_S, wing_quarter_mac
 from hera_om.aircraft.rotors import hub_ys
+from hera_om.aircraft.rules_rotors import slipstreams_meet_disks
 from hera_om.aircraft.spacing import segment_points
 from hera_om.core.errors import InputError, Problem
 from hera_om.physics.aero_cases import Body, Drag, Flow, Model, RotorPlan, Rotors, Slender, Surface
@@ -157,6 +158,7 @@ def plan(aircraft: Aircraft, lateral: bool) -> RotorPlan | None:
         tip_loss=all(b.tip_loss for b in blade),
         hub_loss=all(b.hub_loss for b in blade),
         stall_delay=all(b.stall_delay for b in blade),
+        neighbours=slipstreams_meet_disks(aircraft),
         failed=tuple(sorted(failed)),
     )
 

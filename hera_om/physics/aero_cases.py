@@ -104,4 +104,5 @@ class RotorPlan(NamedTuple):
     tip_loss: bool
     hub_loss: bool
     stall_delay: bool = False
+    neighbours: bool = True  # whether a rotor feels the slipstreams of the others
     failed: tuple[tuple[int, int, str], ...] = ()  # half (0 starboard, 1 port), rotor, one of `FAILURES`

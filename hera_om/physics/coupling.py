@@ -379,6 +379,6 @@ def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wake, *, plan: 
     even, odd = at.system.disk_velocity
     if even is not None:
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
-    if wake is not None:
+    if wake is not None and plan.neighbours:
         stream = stream + NEIGHBOURS * at_other_disks(rotors, plan, wake, points, winds=winds(x))[: len(halves)]
     return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, found=phi)

@@ -56,8 +56,6 @@ def jet_factor(
     k, h = reflection(velocity_ratio), jnp.asarray(half_height)
     a, a_k, b, b_k = SPREAD
     square = h**2 + (a + a_k * k) * h / (h + b + b_k * k)
-    total, power = jnp.zeros_like(k * h), 1.0
-    for n in range(1, IMAGES + 1):
-        power = power * k
-        total = total + power / (1.0 + 16.0 * n**2 * square)
+    n = jnp.arange(1, IMAGES + 1).reshape(-1, *[1] * jnp.ndim(k * h))
+    total = jnp.sum(k**n / (1.0 + 16.0 * n**2 * square), axis=0)
     return 1.0 / (1.0 + 2.0 * total)

@@ -110,31 +110,41 @@ EDGE = np.array([p[0] for p, *_ in HARMONICS])
 """The harmonics at the edge of the disk, where the load must vanish."""
 
 
+def _rows(of: int, first: int, derivative: int = 0) -> np.ndarray:
+    """Every second coefficient of one of the polynomials of all harmonics, or of its derivative, [power, harmonic]."""
+    rows = [np.polynomial.polynomial.polyder(h[of], derivative)[first::2] for h in HARMONICS]
+    out = np.zeros((max(map(len, rows)), MODES))
+    for n, row in enumerate(rows):
+        out[: len(row), n] = row
+    return out
+
+
+P, STEEP = _rows(0, 0), _rows(0, 1, 1)
+ALPHA, OMEGA, ALPHA_SLOPE, OMEGA_SLOPE = _rows(1, 0), _rows(2, 1), _rows(1, 1, 1), _rows(2, 0, 1)
+TAIL = np.array([h[3] for h in HARMONICS]).T
+POWER = 2 * np.arange(MODES) + 1
+FALL = TAIL * (POWER + 2 * np.arange(FAR_TERMS)[:, None])
+
+
 def _horner(coefficients: np.ndarray, x: Array) -> Array:
-    """Polynomial with ascending coefficients."""
-    total = jnp.full_like(x, coefficients[-1])
-    for c in coefficients[-2::-1]:
-        total = total * x + float(c)
+    """Polynomials with ascending coefficients [power, harmonic] at x [..., 1]."""
+    total = jnp.broadcast_to(jnp.asarray(coefficients[-1]), (*x.shape[:-1], coefficients.shape[1]))
+    for row in coefficients[-2::-1]:
+        total = total * x + row
     return total
 
 
-def _decay(n: int, eta: Array, acot: Array) -> tuple[Array, Array]:
-    """e(eta) of a harmonic and its derivative."""
-    (_, alpha, omega, tail), power, square = HARMONICS[n], 2 * n + 1, eta**2
-    poly = np.polynomial.polynomial
-    a = _horner(alpha[::2], square)
-    near = a * acot
-    slope = -a / (1.0 + square)
-    if n:
-        near = near + eta * _horner(omega[1::2], square)
-        slope = slope + eta * _horner(poly.polyder(alpha)[1::2], square) * acot
-        slope = slope + _horner(poly.polyder(omega)[::2], square)
-    if n < FAR_FROM:
-        return near, slope
-    inverse = 1.0 / jnp.where(eta > FAR, eta, FAR)
-    far = inverse**power * _horner(tail, inverse**2)
-    fall = -(inverse ** (power + 1)) * _horner(tail * (power + 2 * np.arange(FAR_TERMS)), inverse**2)
-    return jnp.where(eta > FAR, far, near), jnp.where(eta > FAR, fall, slope)
+def _decay(eta: Array, acot: Array) -> tuple[Array, Array]:
+    """e(eta) of all harmonics and its derivative, at eta [..., 1]."""
+    square = eta**2
+    a = _horner(ALPHA, square)
+    near = a * acot + eta * _horner(OMEGA, square)
+    slope = eta * _horner(ALPHA_SLOPE, square) * acot - a / (1.0 + square) + _horner(OMEGA_SLOPE, square)
+    inverse = 1.0 / jnp.maximum(eta, FAR)
+    power = inverse**POWER
+    far, fall = power * _horner(TAIL, inverse**2), -power * inverse * _horner(FALL, inverse**2)
+    there = (eta > FAR) & (np.arange(MODES) >= FAR_FROM)
+    return jnp.where(there, far, near), jnp.where(there, fall, slope)
 
 
 def disk_amplitudes(edges: Float[Array, " ne"], values: Float[Array, " nr"], radius: ScalarLike) -> Float[Array, " k"]:
@@ -156,8 +166,8 @@ def disk_amplitudes(edges: Float[Array, " ne"], values: Float[Array, " nr"], rad
     square = jnp.maximum(1.0 - (edges / radius) ** 2, 0.0)
     out = []
     for n in range(MODES - 1):
-        even = HARMONICS[n][0][::2]
-        integral = square * _horner(even / (2.0 * np.arange(1, n + 2)), square)
+        even = HARMONICS[n][0][::2] / (2.0 * np.arange(1, n + 2))
+        integral = square * _horner(even[:, None], square[:, None])[:, 0]
         out.append((4 * n + 1) * jnp.sum(values * (integral[:-1] - integral[1:])))
     given = jnp.stack(out)
     return jnp.append(given, -(EDGE[:-1] @ given) / EDGE[-1])
@@ -218,13 +228,10 @@ def _unit_flow(z: Float[Array, " n"], q: Float[Array, " n"]) -> tuple[Float[Arra
     eta = jnp.sqrt(jnp.where(a >= 0.0, big, z**2 / big))
     nu = z / eta
     acot = 0.5 * jnp.pi - jnp.arctan(eta)
+    eta, nu, acot = eta[:, None], nu[:, None], acot[:, None]
     nu2, eta2 = nu**2, eta**2
     scale = 1.0 / (nu2 + eta2)
-    along, inward = [], []
-    for n, (p, *_) in enumerate(HARMONICS):
-        e, slope = _decay(n, eta, acot)
-        value = _horner(p[::2], nu2)
-        steep = _horner(np.polynomial.polynomial.polyder(p)[1::2], nu2) if n else jnp.zeros_like(nu)  # P' / nu
-        along.append(-nu * scale * (steep * e * eta * (1.0 - nu2) + value * slope * (1.0 + eta2)))
-        inward.append(scale * (nu2 * steep * e - eta * value * slope))
-    return jnp.stack(along, axis=-1), jnp.stack(inward, axis=-1)
+    e, slope = _decay(eta, acot)
+    value, steep = _horner(P, nu2), _horner(STEEP, nu2)  # P, P' / nu
+    along = -nu * scale * (steep * e * eta * (1.0 - nu2) + value * slope * (1.0 + eta2))
+    return along, scale * (nu2 * steep * e - eta * value * slope)

@@ -96,6 +96,7 @@ def starboard(flown):
     return flown(WINGED, (2, "starboard", "windmilling"), **STATE)
 
 
+@pytest.mark.slow
 def test_port_failure_is_the_mirror_image(flown, starboard):
     port = flown(WINGED, (2, "port", "windmilling"), **MIRRORED)
     for name in (*EVEN, "CL_alpha", "Cn_beta", "Cl_p"):
@@ -104,6 +105,7 @@ def test_port_failure_is_the_mirror_image(flown, starboard):
         assert float(port[name][0]) == pytest.approx(-float(starboard[name][0]), rel=1e-9), name
 
 
+@pytest.mark.slow
 def test_an_engine_out_on_a_wing(flown):
     """The rotors' part of the yawing moment is that by hand within 3 %, which is what the wing's upwash and the other
     slipstreams change; the wing that is blown on one side alone rolls towards the failure.
@@ -136,6 +138,7 @@ def test_nothing_runs(flown):
     np.testing.assert_allclose(found["rotor_moment"][:, 0], 0.0, atol=1e-9 * scale)
 
 
+@pytest.mark.slow
 def test_derivatives_of_an_engine_out_on_a_wing(starboard, flown):
     """Outputs such as Cn_beta, which hold the response of the failed rotor's speed, against differences of outputs."""
     step, state = 0.02, {"theta_prop": 38.0, **STATE}
