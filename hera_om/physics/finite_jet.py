@@ -6,8 +6,8 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.section_polar import ScalarLike
 
-IMAGES = 16
-"""Images on either side; the rest changes the factor by less than 3e-4 up to a velocity ratio of 2.5."""
+DOUBLINGS = 4
+"""2**4 images on either side; the rest changes the factor by less than 3e-4 up to a velocity ratio of 2.5."""
 SPREAD = (0.1160, -0.1022, 0.3325, -0.1057)
 """How the lift's spread over the chord widens the distance to the images, fitted to the flat plate in a plane jet
 (`tests/physics/test_finite_jet.py`) to 0.0015 for half heights from 0.2 chords and velocity ratios 0.83 to 2.5."""
@@ -53,9 +53,17 @@ def jet_factor(
 
     Validity: a section near the middle of the height, flat edges. Outside the ranges it keeps its limits.
     """
-    k, h = reflection(velocity_ratio), jnp.asarray(half_height)
+    k, h = jnp.broadcast_arrays(reflection(velocity_ratio), half_height)
     a, a_k, b, b_k = SPREAD
     square = h**2 + (a + a_k * k) * h / (h + b + b_k * k)
-    n = jnp.arange(1, IMAGES + 1).reshape(-1, *[1] * jnp.ndim(k * h))
-    total = jnp.sum(k**n / (1.0 + 16.0 * n**2 * square), axis=0)
+    n = np.arange(1, 2**DOUBLINGS + 1).reshape(-1, *[1] * k.ndim)
+    total = jnp.sum(_powers(k) / (1.0 + 16.0 * n**2 * square), axis=0)
     return 1.0 / (1.0 + 2.0 * total)
+
+
+def _powers(k: Float[Array, "..."]) -> Float[Array, "images ..."]:
+    """k, k^2, k^3, ... by products: differentiated, `k**n` with an array n is not a number at k = 0, without a jet."""
+    powers = k[None]
+    for _ in range(DOUBLINGS):
+        powers = jnp.concatenate([powers, powers * powers[-1]])
+    return powers
