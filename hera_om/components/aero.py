@@ -17,17 +17,8 @@ from hera_om.components.structure import Structure
 from hera_om.core.programs import program
 from hera_om.physics.aero_cases import Body
 from hera_om.physics.aerodynamics import AeroResult, evaluate
-from hera_om.physics.coupling import (
-    Controls,
-    Root,
-    Setting,
-    System,
-    carry_derivatives,
-    find_root,
-    join_factors,
-    make_system,
-    split_factors,
-)
+from hera_om.physics.coupling import Controls, Setting, System, join_factors, make_system, panel_layout, split_factors
+from hera_om.physics.equilibrium import Known, carried, find_root, settle
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
@@ -125,7 +116,7 @@ class Aerodynamics(JaxComponent):
             (*self._system_key(values), fixed),
             lambda: by_system(*static, fixed, self.base, self.constants, values),
         )
-        args = (self.base, self.constants, kept.system, kept.root, kept.inverse, values)
+        args = (self.base, self.constants, kept.system, kept.known, values)
         matrix = by_input(*static, names, fixed, moving, *args, tangents)
         fill_partials(partials, np.asarray(matrix), names, {n: np.zeros(1) for n in fixed + moving}, self._outputs)
 
@@ -167,8 +158,7 @@ class State(NamedTuple):
 
     outputs: Values
     system: System
-    root: Root
-    inverse: Any  # see `physics.coupling.carry_derivatives`
+    known: Known  # what carries derivatives through the equilibrium
     by: Any  # Coefficients by the state
     thrust_by: Any
     pressure: Any  # see `physics.aerodynamics.AeroResult`
@@ -216,13 +206,18 @@ def _setting(aircraft, statics: AeroPlan, system: System, inputs: Values) -> tup
     return x, Setting(system, arrays.rotors(aircraft), flow, body.c, body.b), body
 
 
-def _evaluate(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, root, inverse) -> AeroResult:
-    """Second stage at a root; with ``inverse`` the root carries derivatives."""
+def _evaluate(
+    aircraft, statics: AeroPlan, constants, system: System, inputs: Values, known: Known | None
+) -> tuple[AeroResult, Known]:
+    """Second stage: from nothing, or at an equilibrium that is known and carries derivatives."""
     x, at, body = _setting(aircraft, statics, system, inputs)
-    flat = root.flat if inverse is None else carry_derivatives(root, inverse, x, at, statics.rotors)
-    surfaces = arrays.surfaces(aircraft, list(constants), statics.model.lateral)
-    how = {"plan": statics.rotors, "model": statics.model}
-    return evaluate(flat, x, surfaces, at=at, body=body, phi=root.phi, **how)
+    plan, surfaces = statics.rotors, arrays.surfaces(aircraft, list(constants), statics.model.lateral)
+    if known is None:
+        found, known = settle(find_root(x, at, plan), x, at, plan)
+    else:
+        found = carried(known, x, at, plan)
+    polars, lay = [s.polar for s in surfaces], panel_layout(surfaces, statics.model)
+    return evaluate(found, x, polars, at=at, plan=plan, body=body, lay=lay), known
 
 
 def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
@@ -343,11 +338,9 @@ def _stages(once: bool):
 
     def state(structure, statics, paths, base, constants, system, inputs):
         aircraft = definition(structure, paths, base, inputs)
-        x, at, _ = _setting(aircraft, statics, system, inputs)
-        root = find_root(x, at, statics.rotors)
-        result = _evaluate(aircraft, statics, constants, system, inputs, root, None)
+        result, known = _evaluate(aircraft, statics, constants, system, inputs, None)
         outputs = _outputs(aircraft, statics, system, inputs, result)
-        return State(outputs, system, root, result.inverse, result.derivatives, result.thrust_by, result.pressure)
+        return State(outputs, system, known, result.derivatives, result.thrust_by, result.pressure)
 
     def by_system(structure, statics, paths, wrt, base, constants, inputs):
         """Tangents of the assembled system by the inputs that it reads, stacked on a leading axis."""
@@ -369,8 +362,7 @@ def _stages(once: bool):
         base,
         constants,
         system,
-        root,
-        inverse,
+        known,
         inputs,
         tangents,
     ):
@@ -380,7 +372,7 @@ def _stages(once: bool):
             here = inputs | dict(zip(order, v, strict=True))
             aircraft = definition(structure, paths, base, here)
             system = join_factors(varying, factors)
-            result = _evaluate(aircraft, statics, constants, system, here, root, inverse)
+            result, _ = _evaluate(aircraft, statics, constants, system, here, known)
             out = _outputs(aircraft, statics, system, here, result)
             return ravel_pytree({n: out[n] for n in names})[0]
 

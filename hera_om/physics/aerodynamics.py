@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from hera_om.physics.aero_cases import Body, Flow, Model, RotorPlan, Surface
+from hera_om.physics.aero_cases import Body, Flow, RotorPlan
 from hera_om.physics.coupling import (
     SLIPSTREAM,
     Controls,
@@ -18,17 +18,13 @@ from hera_om.physics.coupling import (
     body_motion,
     both_parts,
     induced,
-    make_surfaces,
     onset,
-    panel_layout,
-    respond,
     sides,
     turned,
     wind,
-    winds,
 )
-from hera_om.physics.disks import Wake, mean_slipstreams
-from hera_om.physics.geometry import surface_mesh
+from hera_om.physics.disks import Wake
+from hera_om.physics.equilibrium import Equilibrium, as_vector
 from hera_om.physics.lattice import Lattice
 from hera_om.physics.lattice_forces import (
     StripLoads,
@@ -36,7 +32,6 @@ from hera_om.physics.lattice_forces import (
     filament_forces,
     filament_strengths,
     panel_pressure,
-    pressure_cells,
     resultant,
     strip_loads,
     trefftz,
@@ -126,54 +121,29 @@ class AeroResult(NamedTuple):
     loads: Loads
     wake: Wake | None
     residual: Array  # of the coupling, over the flight speed
-    inverse: Float[Array, "u u"]  # of the Jacobian of the coupling, for `coupling.carry_derivatives`
 
 
 def evaluate(
-    flat: Float[Array, " u"],
-    x: Controls,
-    surfaces: list[Surface],
-    *,
-    at: Setting,
-    plan: RotorPlan | None,
-    body: Body,
-    model: Model,
-    phi=None,
+    found: Equilibrium, x: Controls, polars: Polars, *, at: Setting, plan: RotorPlan | None, body: Body, lay: Layout
 ) -> AeroResult:
     """Everything at one state, with the derivatives by the state at equilibrium of lattice and rotors.
 
-    The response of lattice and rotors is differentiated by the state and by the unknowns of the coupling, the
-    implicit function theorem joins both, and the forces are differentiated along the directions that result.
+    The forces are differentiated along the directions in which the equilibrium moves with the state.
 
     Args:
-        flat: equilibrium from `coupling.find_root` or `coupling.carry_derivatives`.
+        found: equilibrium from `equilibrium.settle` or `equilibrium.carried`.
         x: state.
-        surfaces: the surfaces of the system; the first one is the wing.
+        polars: of the surfaces of the system; the first one is the wing.
         at: system, rotors, stream, reference chord and span.
         plan: static facts of the rotors, or None.
         body: reference quantities and what the lattice does not carry.
-        model: static facts of the lattice.
-        phi: inflow angles of the blade elements at equilibrium.
+        lay: index arrays of the surfaces' panels, see `coupling.panel_layout`.
 
     Returns:
         AeroResult.
     """
-    n, lay = flat.shape[0], panel_layout(surfaces, model)
-    polars = [s.polar for s in surfaces]
-    first, unpack = _as_vector(x)
-    state = jnp.concatenate([flat, first])
-
-    def answer_to(v):
-        answer = respond(v[:n], unpack(v[n:]), at, plan, phi)
-        return answer, answer
-
-    by, answer = jax.jacfwd(answer_to, has_aux=True)(state)
-    if n:
-        inverse = jnp.linalg.inv(by.flat[:, :n] - jnp.eye(n))
-        shift = -inverse @ by.flat[:, n:]
-        by = jax.tree.map(lambda d: d[..., n:] + d[..., :n] @ shift, by)
-    else:
-        inverse = jnp.zeros((0, 0))
+    answer, by = found.answer, found.by
+    first, unpack = as_vector(x)
 
     def forces(step):
         moved = jax.tree.map(lambda value, slope: value + slope @ step, answer, by)
@@ -182,10 +152,9 @@ def evaluate(
 
     (derivatives, parts_by), (total, parts, rest) = jax.jacfwd(forces, has_aux=True)(jnp.zeros_like(first))
     drag, cl, stall, wing, filaments, local = rest
-    panels = make_surfaces(surfaces, model)
-    cells = [pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces]
-    rates = {"panels": panels, "at": at, "body": body, "lay": lay}
+    rates = {"at": at, "body": body, "lay": lay}
     column = first.shape[0] - x.lateral.shape[0]  # of sideslip
+    cells = at.system.cells
     return AeroResult(
         total=total,
         derivatives=derivatives,
@@ -200,19 +169,8 @@ def evaluate(
         pressure=jnp.stack([panel_pressure(lay, f, cells) for f in filaments]) if cells else jnp.zeros((0, 0)),
         loads=Loads(wing, None if answer.loads is None else jax.tree.map(lambda v: v[0], answer.loads), answer.loads),
         wake=None if answer.wake is None else jax.tree.map(lambda v: v[0], answer.wake),
-        residual=jnp.max(jnp.abs(answer.flat - flat), initial=0.0),
-        inverse=inverse,
+        residual=found.residual,
     )
-
-
-def _as_vector(x: Controls):
-    """A state as one vector, and the way back."""
-    ends = np.cumsum([2, x.delta.shape[0], x.theta.shape[0]])
-
-    def unpack(v):
-        return Controls(v[0], v[1], *jnp.split(v[2:], ends[1:] - 2))
-
-    return jnp.concatenate([jnp.stack([x.alpha, x.q_hat]), x.delta, x.theta, x.lateral]), unpack
 
 
 def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, body: Body, lay: Layout):
@@ -226,7 +184,7 @@ def _coefficients(x: Controls, answer: Response, polars: Polars, *, at: Setting,
     cl, stall, wing, filaments = jnp.zeros(0), None, None, []
     induced_drag = slip = trace = jnp.zeros(())
     if at.system.lattice is not None:
-        halves, local = _half_loads(x, answer, polars, at=at, plan=plan, lay=lay)
+        halves, local = _half_loads(x, answer, polars, at=at, lay=lay)
         wing, cl, filaments = halves[0].loads, halves[0].state.cl, [h.filaments for h in halves]
         stall = _stall(at.system.lattice, lay, [h.state for h in halves])
         forces, moments = _surface_loads([h.loads for h in halves], lay, flow.point)
@@ -292,14 +250,11 @@ class HalfLoads(NamedTuple):
     state: StripState
 
 
-def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, plan, lay: Layout):
+def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, lay: Layout):
     """Loads of each half, and the mirrored part of the velocity at the filaments without their own."""
     lattice, flow, halves = at.system.lattice, at.flow, sides(x)
     assert lattice is not None
-    wash = jnp.zeros((len(halves), *lattice.points.shape))
-    if plan is not None and at.rotors is not None and answer.wake is not None:
-        each = mean_slipstreams(at.rotors, plan, answer.wake, lattice.middles, lattice.arms, winds=winds(x))
-        wash = SLIPSTREAM * jnp.sum(each, axis=1)
+    wash = jnp.zeros((len(halves), *lattice.points.shape)) if answer.wash is None else answer.wash
     own = induced(lattice.even.velocity, None if lattice.odd is None else lattice.odd.velocity, answer.gamma)
     odd = both_parts(list(answer.gamma))[1]
     out, locals_ = [], []
@@ -383,13 +338,13 @@ def _zeros() -> Coefficients:
     return Coefficients(*[jnp.zeros(())] * 8)
 
 
-def _alphadot(local, x: Controls, answer: Response, gamma_by, *, panels, at: Setting, body: Body, lay: Layout):
+def _alphadot(local, x: Controls, answer: Response, gamma_by, *, at: Setting, body: Body, lay: Layout):
     """Derivatives by alphadot c / 2V in pure plunging, see `unsteady_lattice.plunge_rate`; zero without its half."""
     lattice, zero = at.system.lattice, jnp.zeros(())
     if lattice is None or lattice.whole is not None:
         return _zeros()
     slope = both_parts(list(gamma_by))[0]
-    loads = plunge_rate(lattice, panels, lay, gamma_by=slope, length=body.c, **_mean(local, answer, at))
+    loads = plunge_rate(lattice, at.system.panels, lay, gamma_by=slope, length=body.c, **_mean(local, answer, at))
     force, moment = unsteady_resultant(lattice, loads, at.flow.point)
     force = force / body.S
     stream = jnp.stack([jnp.cos(x.alpha), zero, jnp.sin(x.alpha)])
@@ -398,14 +353,14 @@ def _alphadot(local, x: Controls, answer: Response, gamma_by, *, panels, at: Set
     return Coefficients(force @ up, force @ stream, force[0], force[2], cm, zero, zero, zero)
 
 
-def _betadot(local, answer: Response, gamma_by, *, panels, at: Setting, body: Body, lay: Layout) -> Coefficients:
+def _betadot(local, answer: Response, gamma_by, *, at: Setting, body: Body, lay: Layout) -> Coefficients:
     """The same by betadot b / 2V in plunging sideways: side force, rolling and yawing moment."""
     lattice = at.system.lattice
     if lattice is None or lattice.whole is not None:
         return _zeros()
     slope = both_parts(list(gamma_by))[1]
     assert slope is not None
-    loads = plunge_rate(lattice, panels, lay, gamma_by=slope, length=body.b, odd=True, **_mean(local, answer, at))
+    loads = plunge_rate(lattice, at.system.panels, lay, gamma_by=slope, length=body.b, odd=True, **_mean(local, answer, at))
     force, moment = unsteady_resultant(lattice, loads, at.flow.point, odd=True)
     roll, yaw = -moment[0] / (body.S * body.b), -moment[2] / (body.S * body.b)
     return _zeros()._replace(CY=force[1] / body.S, Cl=roll, Cn=yaw)

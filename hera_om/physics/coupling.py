@@ -12,20 +12,18 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import lax
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import Found, Wake, at_other_disks, disk_points, jet_factors, mean_slipstreams, rotor_loads
-from hera_om.physics.geometry import FLAT, Panels
+from hera_om.physics.geometry import FLAT, Panels, surface_mesh
 from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
+from hera_om.physics.lattice_forces import pressure_cells
 from hera_om.physics.layout import PLANE, Layout, layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
 
-TOLERANCE = 1e-12  # of the induced velocities over the flight speed
-MAX_ITERATIONS = 60  # of the coupling; the residual is an output, so that a failure is seen
 SLIPSTREAM = 1.0
 """Share of the slipstream that reaches the surfaces; 0 leaves the rotors only their hub forces."""
 UPWASH = 1.0
@@ -51,6 +49,8 @@ class System(NamedTuple):
     # velocity at the blade elements per unit circulation, m nr npsi 3 n: in mirrored flow, in reversed flow
     disk_velocity: tuple[Array | None, Array | None]
     wing_edges: Array | None  # [ns + 1] y of the edges of the first surface's strips, m
+    panels: tuple[Panels, ...] = ()
+    cells: tuple[Float[Array, "_ _ 3"], ...] = ()  # see `lattice_forces.pressure_cells`
     slender: SlenderInfluence | None = None
     wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
     turn: Any = None  # derivative of all this by that angle, without factors
@@ -90,13 +90,6 @@ class Controls(NamedTuple):
     lateral: Float[Array, " l"]  # beta (rad), p_hat = p b / 2V, r_hat = r b / 2V; empty in mirrored flow
 
 
-class Root(NamedTuple):
-    """Equilibrium found without derivatives, and what carries derivatives through it."""
-
-    flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by half, rotor and radius
-    phi: Found | None  # inflow angles of the blade elements there, rad; speed and pitch of the rotors
-
-
 class Response(NamedTuple):
     """Lattice and rotors for given induced velocities."""
 
@@ -105,13 +98,22 @@ class Response(NamedTuple):
     loads: RotorSolution | None
     wake: Wake | None
     upwash: Array | None = None  # of the lattice at the axis of a slender fuselage
+    wash: Float[Array, "h e 3"] | None = None  # of the slipstreams at the filaments, if asked for
 
 
 class Jets(NamedTuple):
-    """What slipstreams do at the collocation points of each half."""
+    """What slipstreams do at the collocation points of each half, one by one (axis k) or together."""
 
-    velocity: Float[Array, "h n 3"]  # over the flight speed
-    factor: Float[Array, "h n"]  # of the normal velocity, see `finite_jet.jet_factor`
+    velocity: Float[Array, "h *k n 3"]  # over the flight speed
+    factor: Float[Array, "h *k n"]  # of the normal velocity, see `finite_jet.jet_factor`
+
+
+class Washes(NamedTuple):
+    """What slipstreams do, one by one (axis k) or together."""
+
+    jets: Jets
+    disks: Float[Array, "h *k m nr npsi 3"] | None  # velocity at the disks of other rotors
+    filaments: Float[Array, "h *k e 3"] | None  # velocity at the filaments, if asked for
 
 
 class Setting(NamedTuple):
@@ -179,7 +181,8 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
         # Of crossflow in sideslip only fins feel the field, see docs/theory/sections_and_body.md.
         fin = jnp.asarray(marked(panels, model.kinds, PLANE))[:, None]
         influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2])
-    return System(lattice, (at_disks[0], at_disks[1]), edges, influence)
+    cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
+    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence)
 
 
 def make_surfaces(surfaces: list[Surface], model: Model) -> list[Panels]:
@@ -300,85 +303,81 @@ def unknowns(plan: RotorPlan | None, system: System) -> int:
     """Number of unknowns of the coupling: none without rotors or without surfaces."""
     if plan is None or system.lattice is None:
         return 0
-    return 2 * _rotor_halves(plan, system.lattice.odd is not None) * len(plan.groups) * plan.radial
+    return 2 * rotor_halves(plan, system.lattice.odd is not None) * len(plan.groups) * plan.radial
 
 
-def _rotor_halves(plan: RotorPlan, lateral: bool) -> int:
+def rotor_halves(plan: RotorPlan, lateral: bool) -> int:
     """Halves whose rotors are solved; rotors in the plane of symmetry have no image."""
     return 2 if lateral and plan.sides == 2 else 1
 
 
-def respond(flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, phi=None) -> Response:
-    """One pass: slipstreams of the given strength, the lattice in them, the rotors in its upwash."""
+def wake_of(flat: Float[Array, " u"], plan: RotorPlan, x: Controls) -> Wake:
+    """The unknowns of the coupling as slipstreams."""
+    return Wake(*flat.reshape(2, rotor_halves(plan, len(sides(x)) == 2), len(plan.groups), plan.radial))
+
+
+def washes(
+    flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, *, filaments: bool
+) -> Washes | None:
+    """What each slipstream of the given strength does; None without rotors or without surfaces."""
+    lattice = turned(at, x).system.lattice
+    if plan is None or at.rotors is None or lattice is None:
+        return None
+    wake, air, n = wake_of(flat, plan, x), winds(x), lattice.chord.shape[0]
+    ends = lattice.across
+    if filaments:
+        ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
+    each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
+    across, disks = each[:, :, :n], None
+    if plan.neighbours:
+        disks = NEIGHBOURS * at_other_disks(at.rotors, plan, wake, disk_points(at.rotors, plan), winds=air)
+    jets = Jets(across, jet_factors(at.rotors, across, lattice.chord, air))
+    return Washes(jets, disks, each[:, :, n:] if filaments else None)
+
+
+def together(each: Washes) -> Washes:
+    """All slipstreams: velocities add, and jets that overlap count as one after the other."""
+    jets = Jets(jnp.sum(each.jets.velocity, axis=1), jnp.prod(each.jets.factor, axis=1))
+    return Washes(jets, *[None if v is None else jnp.sum(v, axis=1) for v in each[1:]])
+
+
+def respond(
+    flat: Float[Array, " u"],
+    x: Controls,
+    at: Setting,
+    plan: RotorPlan | None,
+    phi: Found | None = None,
+    *,
+    wash: Washes | None = None,
+) -> Response:
+    """One pass: slipstreams of the given strength, the lattice in them, the rotors in its upwash.
+
+    ``wash`` is what all slipstreams of this strength do, if that is known; ``phi`` what rotors have searched for.
+    """
+    if wash is None:
+        each = washes(flat, x, at, plan, filaments=False)
+        wash = None if each is None else together(each)
     at = turned(at, x)
     if plan is None or at.rotors is None:
         return Response(flat, circulation(at, x), None, None, axis_upwash(at, x))
-    if at.system.lattice is None:
+    if wash is None:
         loads = _disk_loads(at.rotors, at, x, None, None, plan=plan, phi=phi)
         wake = Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed)
         return Response(flat, circulation(at, x), loads, wake)
-    lateral = len(sides(x)) == 2
-    wake = Wake(*flat.reshape(2, _rotor_halves(plan, lateral), len(plan.groups), plan.radial))
-    washes = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *at.system.lattice.across, winds=winds(x))
-    jets = Jets(jnp.sum(washes, axis=1), jet_factors(at.rotors, washes, at.system.lattice.chord, winds(x)))
-    gamma = circulation(at, x, jets)
-    loads = _disk_loads(at.rotors, at, x, gamma, wake, plan=plan, phi=phi)
+    gamma = circulation(at, x, wash.jets)
+    loads = _disk_loads(at.rotors, at, x, gamma, wash.disks, plan=plan, phi=phi)
     answer = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
-    return Response(answer, gamma, loads, wake, axis_upwash(at, x, jets))
+    return Response(answer, gamma, loads, wake_of(flat, plan, x), axis_upwash(at, x, wash.jets), wash.filaments)
 
 
-def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
-    """Equilibrium of lattice and rotors, without derivatives.
-
-    The upwash changes a rotor's loading by a few percent and the loading the upwash by less: plain iteration
-    gains more than a digit a step and needs one compiled copy of the model.
-    """
-    x, at = lax.stop_gradient((x, at))
-    n = unknowns(plan, at.system)
-    if plan is None:
-        return Root(jnp.zeros(0), None)
-    if n == 0:
-        return Root(jnp.zeros(0), _answer(jnp.zeros(0), x, at, plan)[1])
-
-    def unfinished(carry):
-        flat, out, _, i = carry
-        return (jnp.max(jnp.abs(out - flat)) > TOLERANCE) & (i < MAX_ITERATIONS)
-
-    def step(carry):
-        _, out, _, i = carry
-        return out, *_answer(out, x, at, plan), i + 1
-
-    start = jnp.zeros(n)
-    each = jnp.zeros((_rotor_halves(plan, len(sides(x)) == 2), len(plan.groups)))
-    blank = Found(jnp.zeros((*each.shape, plan.radial, plan.azimuthal)), each, each)
-    _, flat, phi, _ = lax.while_loop(unfinished, step, (start - 1.0, start, blank, 0))
-    return Root(flat, phi)
-
-
-def _answer(flat, x: Controls, at: Setting, plan: RotorPlan) -> tuple[Array, Found | None]:
-    """Induced velocities that the rotors answer with, and what has been searched for."""
-    answer = respond(flat, x, at, plan)
-    loads = answer.loads
-    return answer.flat, None if loads is None else Found(loads.phi, loads.omega, loads.pitch)
-
-
-def carry_derivatives(root: Root, inverse, x: Controls, at: Setting, plan: RotorPlan | None) -> Float[Array, " u"]:
-    """The root as a function of everything: one step of Newton's method with the Jacobian of the root.
-
-    Its value is the root's; its first derivatives are exact (implicit function theorem).
-    """
-    miss = respond(root.flat, x, at, plan, root.phi).flat - root.flat
-    return root.flat - inverse @ miss
-
-
-def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wake, *, plan: RotorPlan, phi) -> RotorSolution:
-    """Rotors in the free stream, the rotation, the upwash of the surfaces and the slipstreams of other rotors."""
+def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wash, *, plan: RotorPlan, phi) -> RotorSolution:
+    """Rotors in the free stream, the rotation, the upwash of the surfaces and what other slipstreams bring there."""
     points = disk_points(rotors, plan)
-    halves = sides(x)[: _rotor_halves(plan, len(sides(x)) == 2)]
+    halves = sides(x)[: rotor_halves(plan, len(sides(x)) == 2)]
     stream = jnp.stack([onset(points, x, at, side) for side in halves])
     even, odd = at.system.disk_velocity
     if even is not None:
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
-    if wake is not None and plan.neighbours:
-        stream = stream + NEIGHBOURS * at_other_disks(rotors, plan, wake, points, winds=winds(x))[: len(halves)]
+    if wash is not None:
+        stream = stream + wash[: len(halves)]
     return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, found=phi)

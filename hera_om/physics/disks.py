@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
 from hera_om.physics.finite_jet import ROUND_JET, jet_factor
@@ -159,11 +159,15 @@ def mean_slipstreams(
     jump as edges of disks pass that point: noise of two drag counts on 32 strips, which an optimiser exploits.
     The edge is smeared over what lies between the points, so that derivatives of derivatives are smooth too.
     """
-    at = jnp.concatenate([middles + t * spans for t in GAUSS_POINTS])
     blur = SMEARED * jnp.linalg.norm(spans[:, 1:] + TINY, axis=1)
-    field = slipstreams(rotors, plan, wake, at, winds=winds, blur=jnp.tile(blur, len(GAUSS_POINTS)))
-    each = field.reshape(*field.shape[:2], len(GAUSS_POINTS), *middles.shape)
-    return jnp.tensordot(each, jnp.asarray(GAUSS_WEIGHTS), axes=([2], [0]))
+
+    def add(total, point):
+        place, weight = point
+        return total + weight * slipstreams(rotors, plan, wake, middles + place * spans, winds=winds, blur=blur), None
+
+    k = len(plan.groups) * plan.sides
+    points = (jnp.asarray(GAUSS_POINTS), jnp.asarray(GAUSS_WEIGHTS))
+    return jax.lax.scan(add, jnp.zeros((len(winds), k, *middles.shape)), points)[0]
 
 
 def slipstreams(
@@ -203,39 +207,41 @@ def slipstreams(
     mirror, n = jnp.asarray(MIRROR), points.shape[0]
     both = jnp.concatenate([points, points * mirror])
     smeared = jnp.zeros(2 * n) if blur is None else jnp.tile(blur, 2)
-    by_rotor = jax.vmap(one, in_axes=(None, 0, 0, 0, 0, 0, 0, 0, None))
-    each = jnp.stack(
-        [
-            by_rotor(both, rotors.hub, axes, rotors.radius, r, axial, swirl, rotors.sense, wind)
-            for axial, swirl, wind in zip(*wake, winds, strict=False)
-        ]
-    )
+    halves = wake.axial.shape[0]
+    of_rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), (rotors.hub, axes, rotors.radius, r))
+    flat = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), (wake.axial, wake.swirl))
+    cases = (*of_rotor, *flat, jnp.tile(rotors.sense, halves), jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0))
+    each = jax.lax.map(lambda c: one(both, *c), cases).reshape(halves, -1, *both.shape)
     own, other = each[:, :, :n], each[:, :, n:] * mirror
     if plan.sides == 1:  # rotors in the plane of symmetry have no image
         return jnp.concatenate([own, other])[: len(winds)]
     return jnp.concatenate([own, other[::-1]], axis=1)
 
 
+def made_by(plan: RotorPlan, halves: int) -> Bool[np.ndarray, "h m h k"]:
+    """Which of the k slipstreams at each half, the last two axes, are those of a rotor of a half, the first two."""
+    m = len(plan.groups)
+    if plan.sides == 1:
+        return np.tile(np.eye(m, dtype=bool)[None, :, None], (1, 1, halves, 1))
+    own, other = np.eye(halves, dtype=bool), np.eye(halves, dtype=bool)[::-1]
+    rotor = np.eye(m, dtype=bool)
+    return np.concatenate([np.einsum("ah,bk->abhk", half, rotor) for half in (own, other)], axis=3)
+
+
 def at_other_disks(
     rotors: Rotors, plan: RotorPlan, wake: Wake, points: Float[Array, "m nr npsi 3"], *, winds: Float[Array, "h 3"]
-) -> Float[Array, "h m nr npsi 3"]:
-    """Velocity over the flight speed at the disks of each half by the slipstreams of all rotors but a disk's own."""
+) -> Float[Array, "h k m nr npsi 3"]:
+    """Velocity over the flight speed at the disks of each half by each slipstream, none at a disk by its own."""
     field = slipstreams(rotors, plan, wake, points.reshape(-1, 3), winds=winds)
-    h, k = field.shape[:2]
-    each = field.reshape(h, k, points.shape[0], -1)
-    foreign = 1.0 - jnp.eye(k, points.shape[0])
-    total = jnp.sum(foreign[:, :, None] * each, axis=1)
-    return total.reshape(h, *points.shape)
+    each = field.reshape(*field.shape[:2], *points.shape)
+    return (1.0 - jnp.eye(each.shape[1], points.shape[0]))[:, :, None, None, None] * each
 
 
 def jet_factors(
     rotors: Rotors, washes: Float[Array, "h k p 3"], chord: Float[Array, " p"], winds: Float[Array, "h 3"]
-) -> Float[Array, "h p"]:
-    """What the finite height of the jets leaves of the circulation, see `finite_jet.jet_factor`.
-
-    Jets that overlap count as one after the other.
-    """
+) -> Float[Array, "h k p"]:
+    """What the finite height of each jet leaves of the circulation, see `finite_jet.jet_factor`."""
     radius = jnp.tile(rotors.radius, washes.shape[1] // rotors.radius.shape[0])
     ratio = 1.0 + jnp.einsum("hkpi,hi->hkp", washes, winds)
     height = jnp.broadcast_to(ROUND_JET * radius[:, None] / chord, ratio.shape)
-    return jnp.prod(jet_factor(height, ratio), axis=1)
+    return jet_factor(height, ratio)

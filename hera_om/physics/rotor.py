@@ -114,9 +114,8 @@ def _loading(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> _Loa
     return _Loading(sine, cosine, normal, tangential, flow, loss)
 
 
-def _residual(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> Field:
-    """Mismatch of the two theories, negative at -90 and positive at +90 degrees from the stream."""
-    load = _loading(phi, elements, losses)
+def _mismatch(load: _Loading, elements: _Elements) -> Field:
+    """What the two theories differ by, negative at -90 and positive at +90 degrees from the stream."""
     turning = load.sine * elements.flow_cosine - load.cosine * elements.flow_sine
     lift = load.normal * elements.flow_cosine + load.tangential * elements.flow_sine
     return load.mass_flow * turning - elements.solidity * lift / (4.0 * load.loss)
@@ -125,14 +124,16 @@ def _residual(phi: Field, elements: _Elements, losses: tuple[bool, bool]) -> Fie
 def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field | None) -> Field:
     """Inflow angle of every element, with implicit derivatives of any order.
 
-    The root is found without derivatives, unless it is ``known``, and polished by two Newton steps.
+    The root is found without derivatives and polished by two Newton steps, unless it is ``known``.
     """
 
     def mismatch(phi: Field) -> Field:
-        return _residual(phi, elements, losses)
+        return _mismatch(_loading(phi, elements, losses), elements)
 
     def polished(function, start: Field) -> Field:
-        root = bracketed_root(function, start, 0.5 * jnp.pi) if known is None else start
+        if known is not None:
+            return start
+        root = bracketed_root(function, start, 0.5 * jnp.pi)
         slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
         return lax.fori_loop(0, 2, lambda _, phi: phi - function(phi) / _safe(slope), root)
 
@@ -319,5 +320,5 @@ def solve_rotor(
         omega=jnp.asarray(omega, dtype=float),
         pitch=jnp.asarray(pitch, dtype=float),
         phi=phi,
-        residual=jnp.max(jnp.abs(lax.stop_gradient(_residual(phi, elements, losses)))),
+        residual=jnp.max(jnp.abs(lax.stop_gradient(_mismatch(load, elements)))),
     )

@@ -12,8 +12,9 @@ from hera_om.components import arrays
 from hera_om.core.programs import program
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Surface
 from hera_om.physics.blade_loads import section_loading
-from hera_om.physics.coupling import Controls, Setting, find_root, induced, make_surfaces, make_system, respond, winds
+from hera_om.physics.coupling import Controls, Setting, induced, make_system, respond, winds
 from hera_om.physics.disks import blades, slipstreams
+from hera_om.physics.equilibrium import find_root
 from hera_om.physics.geometry import surface_mesh
 from hera_om.physics.lattice import assemble
 from hera_om.physics.rotor import azimuths
@@ -102,7 +103,7 @@ def _velocity_and_load(
     answer = respond(root.flat, x, at, plan, root.phi)
     velocity, load = jnp.zeros_like(points), jnp.zeros((0, 1))
     if surfaces:
-        _, (even, _) = assemble(make_surfaces(surfaces, model), flow.mach, points, kinds=model.kinds)
+        _, (even, _) = assemble(at.system.panels, flow.mach, points, kinds=model.kinds)
         velocity = velocity + induced(even, None, answer.gamma)[0]
     if plan is not None and rotors is not None and answer.wake is not None and answer.loads is not None:
         velocity = velocity + jnp.sum(slipstreams(rotors, plan, answer.wake, points, winds=winds(x))[0], axis=0)

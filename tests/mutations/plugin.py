@@ -140,7 +140,7 @@ def _nothing(old):
 PHYSICS = "tests/physics/"
 BLOWN = f"{PHYSICS}test_aerodynamics.py::"
 TUNNEL = "tests/components/test_propeller_wing.py::"
-SLIPSTREAMS = ("coupling:mean_slipstreams", "aerodynamics:mean_slipstreams")
+SLIPSTREAMS = ("coupling:mean_slipstreams",)
 MUTATIONS = {
     "slipstream_off": Mutation(
         "slipstream on the surfaces",

@@ -12,8 +12,6 @@ from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, StripPola
 from hera_om.physics.coupling import (
     Controls,
     Setting,
-    carry_derivatives,
-    find_root,
     join_factors,
     make_system,
     onset,
@@ -22,6 +20,7 @@ from hera_om.physics.coupling import (
     unknowns,
 )
 from hera_om.physics.disks import Wake, blades, disk_points, rotor_loads, shaft_axes, slipstreams
+from hera_om.physics.equilibrium import as_vector, carried, find_root, linearised, settle
 from hera_om.physics.geometry import Sections, make_grid
 from hera_om.physics.layout import ROOTED
 from hera_om.physics.rotor import sense_sign
@@ -160,29 +159,56 @@ def test_the_slipstream_of_the_root_blows_the_wing(at, root):
 
 
 def test_derivatives_are_carried_through_the_root(at, root):
-    """One Newton step: the root's value, and its derivatives by incidence, pitch and the stream's density."""
+    """One Newton step: values, and derivatives by incidence, pitch, density and speed; of the derivatives themselves
+    too."""
 
-    @jax.jit
-    def jacobian(x):
-        return jax.jacfwd(lambda f: respond(f, x, at, PLAN, root.phi).flat - f)(root.flat)
-
-    inverse = jnp.linalg.inv(jacobian(state()))
+    known = jax.jit(lambda x: settle(root, x, at, PLAN)[1])(state())
 
     @partial(jax.jit, static_argnames="how")
-    def carried(v, how):
+    def moved(v, how):
         x = state(v[0], 0.0, v[1])
-        moved = at._replace(flow=at.flow._replace(density=v[2], speed=v[3]))
-        return carry_derivatives(root, inverse, x, moved, PLAN) if how else find_root(x, moved, PLAN).flat
+        there = at._replace(flow=at.flow._replace(density=v[2], speed=v[3]))
+        if how:
+            found = carried(known, x, there, PLAN)
+        else:
+            found = settle(find_root(x, there, PLAN), x, there, PLAN)[0]
+        return jnp.concatenate([found.answer.flat, found.by.flat.ravel(), found.by.gamma.ravel()])
 
-    base, size = np.array([0.06, PITCH, 1.0, 90.0]), np.array([1e-3, 1e-3, 1e-2, 0.1])
-    np.testing.assert_allclose(carried(base, True), root.flat, atol=1e-13)
-    found = np.asarray(jax.jit(jax.jacfwd(lambda v: carried(v, True)))(jnp.asarray(base)))
+    base, size = np.array([0.06, PITCH, 1.0, 90.0]), np.array([1e-4, 1e-4, 1e-3, 1e-2])
+    np.testing.assert_allclose(moved(base, True), moved(base, False), atol=1e-12)
+    found = np.asarray(jax.jit(jax.jacfwd(lambda v: moved(v, True)))(jnp.asarray(base)))
     for i in range(4):
         steps = [np.where(np.arange(4) == i, h * size, 0.0) for h in (2.0, 1.0)]
-        wide, narrow = ((carried(base + d, False) - carried(base - d, False)) / (2 * d[i]) for d in steps)
+        wide, narrow = ((moved(base + d, False) - moved(base - d, False)) / (2 * d[i]) for d in steps)
         expected = np.asarray((4 * narrow - wide) / 3)
         scale = max(np.max(np.abs(expected)) * size[i], 1e-4)
         np.testing.assert_allclose(found[:, i] * size[i], expected * size[i], rtol=0, atol=1e-6 * scale)
+
+
+def test_one_pass_serves_the_same_unknown_of_all_rotors():
+    """Derivatives of the answer against plain differentiation: lateral flow, jets that overlap, a rotor in another."""
+    plan, model = TANDEM._replace(radial=3), MODEL._replace(lateral=True)
+    one = rotor()
+    pair = jax.tree.map(lambda v: jnp.concatenate([v, v]), one)
+    pair = pair._replace(hub=jnp.array([[-3.0, 2.6, 0.0], [-1.6, 3.2, 0.1]]))
+    x = Controls(*[jnp.asarray(v) for v in (0.05, 0.01, np.zeros(0), [PITCH, PITCH + 0.02], [0.04, 0.01, -0.02])])
+
+    @jax.jit
+    def both():
+        at = Setting(make_system(surfaces(), pair, plan, flow().mach, model), pair, flow(), 2.2, 16.0)
+        root = find_root(x, at, plan)
+        first, unpack = as_vector(x)
+        n = root.flat.shape[0]
+        state = jnp.concatenate([root.flat, first])
+        plain = jax.jacfwd(lambda v: respond(v[:n], unpack(v[n:]), at, plan, root.phi))(state)
+        return plain, linearised(root, x, at, plan)[1]
+
+    plain, found = both()
+    assert found.flat.shape == (24, 24 + 7)
+    for name in ("flat", "gamma", "wake", "loads"):
+        pairs = zip(jax.tree.leaves(getattr(plain, name)), jax.tree.leaves(getattr(found, name)), strict=True)
+        for expected, value in pairs:
+            np.testing.assert_allclose(value, expected, rtol=0, atol=1e-11 * max(1.0, np.max(np.abs(expected))))
 
 
 def test_factors_come_apart_and_together(at):

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from hera_om.physics.aero_cases import Body, Drag, Flow, Model, StripPolar, Surface
 from hera_om.physics.aerodynamics import evaluate
-from hera_om.physics.coupling import Controls, Setting, make_system
+from hera_om.physics.coupling import Controls, Setting, make_system, panel_layout
+from hera_om.physics.equilibrium import find_root, settle
 from hera_om.physics.geometry import CAMBER, FLAT, Sections, cut, make_grid, segment_weights
 from hera_om.physics.layout import FREE, ROOTED, SINGLE
 
@@ -28,7 +29,9 @@ def _found(x, surfaces, point, *, model):
     """Everything at one state, wake along the stream where the model says so."""
     flow = Flow(*[jnp.asarray(v) for v in (1.0, 1.0, 340.0, 1e-5, 0.0)], point)
     at = Setting(make_system(surfaces, None, None, flow.mach, model, alpha=x.alpha), None, flow, C, B)
-    return evaluate(jnp.zeros(0), x, surfaces, at=at, plan=None, body=BODY, model=model)
+    equilibrium, _ = settle(find_root(x, at, None), x, at, None)
+    polars, lay = [s.polar for s in surfaces], panel_layout(surfaces, model)
+    return evaluate(equilibrium, x, polars, at=at, plan=None, body=BODY, lay=lay)
 
 
 def found(surfaces, *, alpha, q=0.0, lateral=(), point=POINT, model):
