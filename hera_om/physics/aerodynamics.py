@@ -360,7 +360,9 @@ def _betadot(local, answer: Response, gamma_by, *, at: Setting, body: Body, lay:
         return _zeros()
     slope = both_parts(list(gamma_by))[1]
     assert slope is not None
-    loads = plunge_rate(lattice, at.system.panels, lay, gamma_by=slope, length=body.b, odd=True, **_mean(local, answer, at))
+    loads = plunge_rate(
+        lattice, at.system.panels, lay, gamma_by=slope, length=body.b, odd=True, **_mean(local, answer, at)
+    )
     force, moment = unsteady_resultant(lattice, loads, at.flow.point, odd=True)
     roll, yaw = -moment[0] / (body.S * body.b), -moment[2] / (body.S * body.b)
     return _zeros()._replace(CY=force[1] / body.S, Cl=roll, Cn=yaw)

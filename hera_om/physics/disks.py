@@ -210,7 +210,12 @@ def slipstreams(
     halves = wake.axial.shape[0]
     of_rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), (rotors.hub, axes, rotors.radius, r))
     flat = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), (wake.axial, wake.swirl))
-    cases = (*of_rotor, *flat, jnp.tile(rotors.sense, halves), jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0))
+    cases = (
+        *of_rotor,
+        *flat,
+        jnp.tile(rotors.sense, halves),
+        jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0),
+    )
     each = jax.lax.map(lambda c: one(both, *c), cases).reshape(halves, -1, *both.shape)
     own, other = each[:, :, :n], each[:, :, n:] * mirror
     if plan.sides == 1:  # rotors in the plane of symmetry have no image

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from hera_om.post.figures_budget import plot_drag as plot_drag
     from hera_om.post.figures_budget import plot_gain as plot_gain
     from hera_om.post.figures_budget import plot_masses as plot_masses
+    from hera_om.post.figures_pressure import plot_pressure as plot_pressure
     from hera_om.post.figures_shape import plot_box as plot_box
     from hera_om.post.figures_shape import plot_planform as plot_planform
     from hera_om.post.figures_shape import plot_span_load as plot_span_load
@@ -32,6 +33,7 @@ _MODULES = {
     "database": ("Run", "cases", "read"),
     "tables": ("comparison", "constraints", "drag", "gain", "history", "masses", "variables"),
     "figures": ("plot_constraints", "plot_history"),
+    "figures_pressure": ("plot_pressure",),
     "figures_shape": ("plot_box", "plot_planform", "plot_span_load"),
     "figures_short_period": ("plot_thumbprint",),
     "figures_budget": ("plot_drag", "plot_gain", "plot_masses"),
@@ -55,6 +57,7 @@ __all__ = [
     "plot_history",
     "plot_masses",
     "plot_planform",
+    "plot_pressure",
     "plot_span_load",
     "plot_thumbprint",
     "read",

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from hera_om.core.errors import RecordError
-from hera_om.post import figures, figures_budget, figures_shape, figures_short_period, page, tables
+from hera_om.post import figures, figures_budget, figures_pressure, figures_shape, figures_short_period, page, tables
 from hera_om.post.database import Run, read
 from hera_om.post.style import number, readable
 
@@ -295,6 +295,9 @@ PANES = (
         "load",
         "Load along the span",
         _figure("load-figure", "load along the span", figures_shape.plot_span_load),
+    ),
+    Pane(
+        "pressure", "Pressure", _figure("pressure-figure", "pressure on the surfaces", figures_pressure.plot_pressure)
     ),
     Pane(
         "short-period",

@@ -3,6 +3,7 @@
 import itertools
 import subprocess
 import sys
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -108,6 +109,26 @@ def test_planform_has_the_baseline_to_port_and_the_optimum_to_starboard(database
     y0, y1 = synthetic.start["y_prop"], synthetic.end["y_prop"]
     assert inner == pytest.approx([-y0 - 2.75, -y0, -4.1, 4.1, y1, y1 + 2.75])
     assert axes.get_ylim()[0] > axes.get_ylim()[1]  # the nose is up
+
+
+def test_pressure_is_shown_from_above_without_fins(database):
+    """A wing of two panels, one of a fin: four panels are drawn, the optimum to starboard; without any, a note."""
+    assert "no snapshot with pressures" in words(post.plot_pressure(database))
+    flat = [[[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]], [[1.0, 0.0, 0.0], [1.0, 2.0, 0.0]], [[2.0, 0.0, 0.0], [2.0, 2.0, 0.0]]]
+    fin = [[[5.0, 0.0, 0.0], [5.0, 0.0, 2.0]], [[6.0, 0.0, 0.0], [6.0, 0.0, 2.0]]]
+
+    def shot(first):
+        surfaces = [
+            {"name": "wing", "corners": flat, "pressure": [[first], [0.5]]},
+            {"name": "vtail", "corners": fin, "pressure": [[0.0]]},
+        ]
+        return replace(run.optimum, arrays={"pressure": surfaces})
+
+    run = post.read(database)
+    axes, _ = post.plot_pressure(replace(run, baseline=shot(1.0), optimum=shot(2.0))).axes
+    port, starboard = axes.collections
+    assert port.get_array().tolist() == [1.0, 0.5] and starboard.get_array().tolist() == [2.0, 0.5]
+    assert port.get_paths()[0].vertices[:, 0].min() == -2.0 and starboard.get_paths()[1].vertices[:, 1].max() == 2.0
 
 
 def test_span_load_is_cl_times_chord(database, synthetic):

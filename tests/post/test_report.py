@@ -80,7 +80,7 @@ def test_every_pane_is_there_and_none_failed(html):
     for pane in report.PANES:
         assert pane.anchor in page.ids and pane.title in page.text
     assert "could not be made" not in html
-    assert html.count("<svg") == 9
+    assert html.count("<svg") == 10
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_failing_pane_is_a_note_and_the_rest_stays(database, monkeypatch):
     monkeypatch.setattr(report, "PANES", tuple(panes))
     text = report.render(post.read(database))
     assert text.count("This pane could not be made: ZeroDivisionError: no &lt;b&gt;span&lt;/b&gt;") == 2
-    assert text.count("<svg") == 7 and "Short-period thumbprint" in text
+    assert text.count("<svg") == 8 and "Short-period thumbprint" in text
 
 
 def test_a_snapshot_without_arrays_costs_only_its_pictures(tmp_path, synthetic):
