@@ -586,6 +586,13 @@ sys.exit(main())
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted; mdo.db is safe\n")
 
 
+def test_the_package_runs_as_a_module():
+    done = subprocess.run(
+        [sys.executable, "-m", "hera_om", "check", "hera_like"], capture_output=True, env=ENV, timeout=60
+    )
+    assert done.returncode == 0 and b"hera_like" in done.stdout + done.stderr
+
+
 def test_reader_who_has_left_is_no_error():
     code = "import time; time.sleep(0.2); sys.exit(main())"
     for words in (["check", "hera_like"], ["--help"]):
