@@ -10,7 +10,8 @@ from hera_om.aircraft.structure import shipped_materials
 from hera_om.aircraft.surfaces import AIRFOIL_TEXT
 from hera_om.core.registry import OUTPUTS
 
-BUILT_IN = ("wing", "htail", "vtail")
+BUILT_IN = ("wing", "htail", "vtail", "fuselage", "rotors")
+"""Parts that have names already, in tables of their own or in outputs by part."""
 
 
 def name_findings(aircraft: Aircraft) -> Iterator[Finding]:
@@ -70,7 +71,7 @@ def _duplicates(aircraft: Aircraft) -> Iterator[Finding]:
             yield Finding(f"{path}.{name}.name", name, expected, "duplicate")
     for surface in aircraft.surface:
         if surface.name in BUILT_IN:
-            expected = f"another name than {', '.join(BUILT_IN)}, which are tables of their own"
+            expected = f"another name than {', '.join(BUILT_IN)}, which name other parts"
             yield Finding(f"surface.{surface.name}.name", surface.name, expected, "duplicate")
     for airfoil in aircraft.airfoil:
         if airfoil.name.lower() == "flat":
