@@ -3,9 +3,11 @@
 import jax.numpy as jnp
 import numpy as np
 
+from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.components import arrays
 from hera_om.components.mass import ROTOR
+from hera_om.core.contours import contour_table
 from hera_om.physics.beam_loads import SpanMass, point_mass, spread_mass
 from hera_om.physics.geometry import span_weights
 from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, Material
@@ -41,7 +43,19 @@ def box_weights(aircraft) -> np.ndarray:
     return span_weights(breaks, aircraft.lattice.box_stations - 1, 0.0)[0]
 
 
-def box_geometry(aircraft, weights) -> BoxGeometry:
+def box_tables(aircraft, weights: np.ndarray) -> np.ndarray:
+    """Contours of the stations [n, 4, p], blended between the sections as their chords are."""
+    wing = lifting_surfaces(aircraft)[0]
+    tables = np.stack([contour_table(a) for a in wing.airfoils])
+    y, joint = np.asarray(wing.y, float), aircraft.wing.fuselage_joint_y_m
+    at_joint = np.stack([np.interp(joint, y, row) for row in tables.reshape(len(y), -1).T]).reshape(
+        1, *tables.shape[1:]
+    )
+    outboard = tables[len(tables) - weights.shape[1] + 1 :]
+    return np.tensordot(weights, np.concatenate([at_joint, outboard]), axes=1)
+
+
+def box_geometry(aircraft, weights, tables) -> BoxGeometry:
     """Wing at the stations."""
     s, joint, outboard = arrays.wing_arrays(aircraft), aircraft.wing.fuselage_joint_y_m, weights.shape[1] - 1
 
@@ -49,7 +63,7 @@ def box_geometry(aircraft, weights) -> BoxGeometry:
         return weights @ jnp.append(jnp.interp(joint, s.y, values), values[-outboard:])
 
     place = jnp.stack([stations(s.x_le), stations(s.y), stations(s.z)], axis=1)
-    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)))
+    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)), tables=tables)
 
 
 def box_material(aircraft) -> Material:

@@ -14,6 +14,7 @@ from hera_om.components.box_arrays import (
     box_geometry,
     box_material,
     box_reads,
+    box_tables,
     box_weights,
     carried_masses,
 )
@@ -23,6 +24,7 @@ from hera_om.physics.wingbox_types import CRITERIA, PANELS, BoxGeometry, elastic
 
 PULL_UP, CRUISE = "pullup_", "cruise_"
 CASES = (PULL_UP, CRUISE)
+NOT_OUTPUT = ("mass", "cg", "active", "sizing_case", "section", "inertia", "stress")
 UNCARRIED = 1e-6  # excess of the utilisation above which a station counts as not carrying its load
 PARTS = ("skins", "webs", "caps", "stringers", "ribs", "centre_section")
 SPANWISE = {
@@ -36,7 +38,7 @@ SPANWISE = {
     "box_y": ("m", "y of the stations, from the joint to the tip"),
     "shear": ("N", "limit shear in the pull-up by station, up positive"),
     "bending": ("N*m", "limit bending moment in the pull-up by station, tip up positive"),
-    "torsion": ("N*m", "limit torque in the pull-up by station about 38 % of the chord, nose up positive"),
+    "torsion": ("N*m", "limit torque in the pull-up by station about 35 % of the chord, nose up positive"),
 }
 
 
@@ -69,7 +71,8 @@ class WingBox(JaxComponent):
     def declare(self) -> None:
         """Loads of both cases in; mass, reserve factors and distributions out."""
         aircraft = self.options["aircraft"]
-        self.constants = (box_weights(aircraft), np.asarray(self.options["remainder"]))
+        weights = box_weights(aircraft)
+        self.constants = (weights, box_tables(aircraft, weights), np.asarray(self.options["remainder"]))
         for name, (value, units, desc) in _load_inputs(aircraft).items():
             for prefix in CASES:
                 self.add(prefix + name, val=value, units=units, desc=desc)
@@ -88,8 +91,8 @@ class WingBox(JaxComponent):
     @staticmethod
     def evaluate(aircraft: Any, statics: Any, constants: Any, inputs: Values) -> Values:
         """Loads, sizing, mass; ``worst_excess`` and ``use`` are for the diagnosis alone."""
-        weights, remainder = constants
-        structure, geometry = aircraft.wing.structure, box_geometry(aircraft, weights)
+        weights, tables, remainder = constants
+        structure, geometry = aircraft.wing.structure, box_geometry(aircraft, weights, tables)
         factors = (aircraft.mission.limit_load_factor, 1.0)
         loads = [_loads(aircraft, geometry, inputs, p, n) for p, n in zip(CASES, factors, strict=True)]
         box = size_box(
@@ -101,7 +104,7 @@ class WingBox(JaxComponent):
             A_stringer_root=structure.A_stringer_root_m2,
         )
         rest = remainder if structure.mass_remainder_kg is None else structure.mass_remainder_kg
-        out = {name: value for name, value in box._asdict().items() if name not in ("mass", "cg", "active")}
+        out = {name: value for name, value in box._asdict().items() if name not in NOT_OUTPUT}
         out |= {f"m_{part}": getattr(box.mass, part) for part in PARTS}
         out |= {"m_wing": box.m_primary / structure.primary_fraction + rest, "m_remainder": jnp.asarray(rest)}
         pull_up = dict(zip(("shear", "bending", "torsion"), loads[0][:3], strict=True))
