@@ -27,6 +27,7 @@ def contour_table(airfoil: Any) -> np.ndarray:
     if isinstance(airfoil, str) or is_mean_line(airfoil[0]):
         half, rate = naca_half(t)
     else:
-        fine, _ = fitted_half(*airfoil, np.linspace(0.0, np.pi, 2001))
-        half, rate = (v / (2 * fine.max()) for v in fitted_half(*airfoil, t))
+        x, z = airfoil
+        fine, _ = fitted_half(x, z, np.linspace(0.0, np.pi, 2001))
+        half, rate = (v / (2 * fine.max()) for v in fitted_half(x, z, t))
     return np.stack([height, slope * np.sin(t) / 2, half, rate])

@@ -65,8 +65,8 @@ def contour_at(tables: Float[Array, "n 4 p"], x: Float[Array, "m"]) -> tuple[Flo
     weights = jnp.stack([(1 + 2 * s) * (1 - s) ** 2, h * s * (1 - s) ** 2, s**2 * (3 - 2 * s), h * s**2 * (s - 1)])
 
     def line(value: int) -> Float[Array, "m n"]:
-        ends = [tables[:, value + rate, cell + end] for end in (0, 1) for rate in (0, 1)]
-        return sum(w * e for w, e in zip(weights, ends, strict=True)).T
+        ends = jnp.stack([tables[:, value + rate, cell + end] for end in (0, 1) for rate in (0, 1)])
+        return jnp.einsum("wm,wnm->mn", weights, ends)
 
     return line(0), line(2)
 

@@ -1,11 +1,9 @@
-"""Mass and centre of the primary structure, and the last step to thicknesses that can be bought."""
+"""Mass, centre and inertia of the primary structure."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from hera_om.physics.wingbox_types import BoxMass, BoxModel
-
-ScalarLike = Float[Array, ""] | float | int
 
 
 def _per_length(model: BoxModel, t: Float[Array, "4 n"], t_rib: Float[Array, "n"]) -> Float[Array, "5 n"]:
@@ -52,25 +50,3 @@ def box_mass(
     inertia = 2.0 * (jnp.sum(square) - square)
     skins, webs, caps, stringers, ribs = 2.0 * half
     return BoxMass(skins, webs, caps, stringers, ribs, 2.0 * centre), cg, inertia
-
-
-def round_up_to_increment(
-    t: Float[Array, "p n"], *, increment: ScalarLike, max_step: ScalarLike = jnp.inf
-) -> Float[Array, "p n"]:
-    """Thicknesses that can be bought: whole increments, and no more than ``max_step`` between neighbours.
-
-    Only ever adds thickness. Not to be differentiated: a last step for reports and gradient-free drivers.
-
-    Args:
-        t: continuous thickness, m.
-        increment: step of the sheets, m.
-        max_step: largest difference of neighbouring stations, m, a whole number of increments.
-
-    Returns:
-        Rounded thickness, m.
-    """
-    rounded = increment * jnp.ceil(t / increment - 1e-9)
-    station = jnp.arange(t.shape[1])
-    apart = jnp.abs(station[:, None] - station[None, :])
-    allowance = jnp.where(apart == 0, 0.0, max_step * jnp.maximum(apart, 1))
-    return jnp.max(rounded[:, None, :] - allowance, axis=2)

@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from hera_om.core.contours import contour_table
 from hera_om.physics import beam_loads, buckling, wingbox_criteria
 from hera_om.physics.beam_loads import case_loads, point_load, point_mass, spread_mass, strip_load
 from hera_om.physics.box_contour import box_shape
 from hera_om.physics.wingbox import box_model, evaluate_box, size_box, solve_thickness
+from hera_om.physics.wingbox_bought import bought_box, round_up_to_increment
 from hera_om.physics.wingbox_criteria import box_state, panel_use
-from hera_om.physics.wingbox_mass import round_up_to_increment
 from hera_om.physics.wingbox_types import (
     CRITERIA,
     PANELS,
@@ -239,29 +240,77 @@ def _worst(model, t):
     return jnp.max(jnp.stack([jnp.max(u, axis=(0, 1, 2)) for u in panel_use(model, box_state(model, t), t)]), axis=0)
 
 
-@pytest.mark.parametrize("station", [0, 3, 6])
-def test_brute_force_finds_nothing_lighter(wing, material, dry, station):
-    model = box_model(wing, material, CONCEPT, loads=dry, A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
-    best = solve_thickness(model)[:, station]
-    offsets = jnp.linspace(-0.08, 0.08, 17)
-    trials = best[:, None] * (1 + jnp.stack(jnp.meshgrid(*[offsets] * 4)).reshape(4, -1))
-    count = trials.shape[1]
+def random_bays(material, count=10):
+    """Boxes of random airfoil, size and loads in three cases, one a station."""
+    random = np.random.default_rng(5)
+    chord, ratio = jnp.asarray(random.uniform(1.5, 3.5, count)), jnp.asarray(random.uniform(0.11, 0.20, count))
+    names = random.choice(["NACA 43018", "NACA 2412", "NACA 4415", "NACA 23013"], count)
+    tables = jnp.asarray(np.stack([contour_table(name) for name in names]))
+    edge = jnp.stack([0.0 * chord, jnp.arange(count) * 1.0, 0.0 * chord], axis=1)
+    size = np.asarray(chord**2 * ratio)
+    cases = {"V": 1.2e5, "M": 5.0e5, "T": 3.0e4, "H": 1.0e4, "Mz": 5.0e4}
+    sign = np.array([[1.0], [0.9], [-0.5]])
+    loads = {k: jnp.asarray(v * sign * np.exp(random.uniform(-4.0, 1.8, (3, count))) * size) for k, v in cases.items()}
+    geometry = BoxGeometry(edge, chord, ratio, tables=tables)
+    return box_model(geometry, material, CONCEPT, loads=BoxLoads(**loads), A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
 
-    def repeat(leaf):
-        leaf = jnp.asarray(leaf)
-        several = leaf.ndim and leaf.shape[-1] == N
-        return jnp.repeat(leaf[..., station : station + 1], count, axis=-1) if several else leaf
 
-    many = jax.tree.map(repeat, model)
-    shape = many.shape
-    area = shape.arc[0] * trials[0] + shape.arc[1] * trials[1] + shape.h_front * trials[2] + shape.h_rear * trials[3]
-    worst = np.asarray(jax.jit(_worst)(many, trials))
-    ours = count // 2
-    assert worst[ours] <= 1 + 1e-9
-    lightest = float(jnp.min(jnp.where(worst <= 1.0, area, jnp.inf)))
-    assert lightest > (1 - 0.002) * float(area[ours])
-    # The search does see lighter trials; they are infeasible.
-    assert float(jnp.min(area)) < 0.95 * float(area[ours])
+def test_brute_force_finds_nothing_lighter_in_ten_random_bays(material):
+    """All thicknesses within 5 % on a grid and by chance, no smoothing: nothing feasible is lighter by 0.1 %."""
+    count, model = 10, random_bays(material)
+    best = solve_thickness(model)
+    sides = np.stack(np.meshgrid(*[np.linspace(-0.05, 0.05, 9)] * 4)).reshape(4, -1)
+    near = np.random.default_rng(6).uniform(-0.01, 0.01, (4, 6000))
+    offsets = jnp.asarray(np.concatenate([np.zeros((4, 1)), sides, near], axis=1))
+    trials = offsets.shape[1]
+
+    @jax.jit
+    def search(station):
+        def repeat(leaf):
+            leaf = jnp.asarray(leaf)
+            several = leaf.ndim and leaf.shape[-1] == count
+            return jnp.repeat(leaf[..., station][..., None], trials, axis=-1) if several else leaf
+
+        many = jax.tree.map(repeat, model)
+        t = best[:, station][:, None] * (1 + offsets)
+        shape = many.shape
+        return _worst(many, t), shape.arc[0] * t[0] + shape.arc[1] * t[1] + shape.h_front * t[2] + shape.h_rear * t[3]
+
+    governing = set()
+    for station in range(count):
+        worst, area = search(station)
+        assert float(worst[0]) <= 1 + 1e-9
+        lightest = float(jnp.min(jnp.where(worst <= 1.0, area, jnp.inf)))
+        assert lightest > (1 - 0.001) * float(area[0]), station
+        assert float(jnp.min(area)) < 0.96 * float(area[0])  # the search does see lighter ones
+        used = [jnp.max(u, axis=(1, 2))[:, station] for u in panel_use(model, box_state(model, best), best)]
+        governing |= set(np.argmax(np.stack(used), axis=0).tolist())
+    assert {CRITERIA[i] for i in governing} >= {"von Mises", "buckling"}
+
+
+def test_partials_at_the_edge_between_two_criteria(wing, material, dry):
+    """Minimum gauge put where buckling sizes the lower skin just as thick: both share, and derivatives stay exact."""
+    free = sized(wing, material, dry)
+    edge = float(free.t_skin_lower[4])
+
+    def run(p):
+        found = _sized(
+            wing, material, CONCEPT._replace(t_min=edge * p[0]), dry._replace(T=dry.T * p[1]), A_CAP, A_STRINGER, 200.0
+        )
+        return jnp.concatenate([found.t_skin_lower * 500.0, found.m_primary[None] / 1e3])
+
+    point = np.ones(2)
+    both = np.asarray(sized(wing, material, dry, concept=CONCEPT._replace(t_min=edge)).use)[1, :, 4]
+    assert np.sum(both > 0.99) == 2  # two criteria are active
+    exact, h = np.asarray(jax.jacfwd(run)(point)), 1e-4
+
+    def central(step):
+        return np.stack(
+            [(np.asarray(run(point + step * e)) - run(point - step * e)) / (2 * step) for e in np.eye(2)], -1
+        )
+
+    np.testing.assert_allclose(exact, (4 * central(h / 2) - central(h)) / 3, atol=1e-6 * np.max(np.abs(exact)))
+    assert np.all(np.abs(exact[4]) > 0.01)  # each of the two moves the sheet
 
 
 def scaled(p, wing, material, loads):
@@ -324,9 +373,10 @@ def test_relief_load_factor_and_engine_position(wing, material, full, monkeypatc
 
 
 def test_smoothing_costs_less_than_a_kilogram(wing, material, dry):
+    """0.1 kg of 2 t: the p-norm of exponent 200 against that of 5000."""
     smooth, sharp = (sized(wing, material, dry, sharpness=p) for p in (200.0, 5000.0))
     error = float(smooth.m_primary - sharp.m_primary)
-    assert 0.0 < error < 1.0
+    assert 0.0 < error < 0.3
     assert float(smooth.RFC) == pytest.approx(float(sharp.RFC), rel=5e-3)
     assert float(smooth.RFT) == pytest.approx(float(sharp.RFT), rel=5e-3)
 
@@ -350,19 +400,35 @@ def test_bending_beyond_the_caps_is_reported_not_repaired(wing, material, dry):
     assert float(result.RFT) < 1.0 and float(result.RFC) < 1.0
 
 
-def test_rounding_only_adds_and_limits_the_steps(wing, material, dry):
+def test_rounding_only_adds_and_limits_the_steps():
+    t = jnp.asarray([[0.00512, 0.00401, 0.00231, 0.00122]])
+    free = round_up_to_increment(t, increment=1e-4)
+    np.testing.assert_allclose(free, [[0.0052, 0.0041, 0.0024, 0.0013]], atol=1e-12)
+    bought = round_up_to_increment(t, increment=1e-4, max_step=8e-4)
+    np.testing.assert_allclose(bought, [[0.0052, 0.0044, 0.0036, 0.0028]], atol=1e-12)
+
+
+@pytest.mark.parametrize("max_step", [3e-4, 1.0])
+def test_what_can_be_bought_has_no_lower_reserve_anywhere(wing, material, dry, max_step):
     model = box_model(wing, material, CONCEPT, loads=dry, A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
     centre = box_centre(wing, CONCEPT)
-    t = solve_thickness(model)
-    bought = round_up_to_increment(t, increment=1e-4, max_step=3e-4)
-    assert bool(jnp.all(bought >= t - 1e-15))
-    np.testing.assert_allclose(bought / 1e-4, np.round(bought / 1e-4), atol=1e-6)
-    assert float(jnp.max(jnp.abs(jnp.diff(bought, axis=1)))) < 3e-4 * (1 + 1e-9)
-    free = round_up_to_increment(t, increment=1e-4)
-    assert bool(jnp.all(free - t < 1e-4)) and bool(jnp.all(free <= bought + 1e-15))
-    smooth, real = evaluate_box(model, centre, t), evaluate_box(model, centre, bought)
-    assert float(real.m_primary) > float(smooth.m_primary)
-    assert float(real.RFC) > float(smooth.RFC)
+    found = _smooth_and_bought(model, centre, max_step)
+    smooth, real = found
+    sheets = [np.stack([b.t_skin_upper, b.t_skin_lower, b.t_web_front, b.t_web_rear, b.t_rib]) for b in (smooth, real)]
+    assert np.all(sheets[1] >= sheets[0] - 1e-12)
+    np.testing.assert_allclose(sheets[1] / 1e-4, np.round(sheets[1] / 1e-4), atol=1e-6)
+    assert np.max(np.abs(np.diff(sheets[1][:4], axis=1))) <= max_step * (1 + 1e-9)
+    assert float(jnp.max(real.worst_excess)) < 1e-6
+    for name in ("RFC_span", "RFT_span"):
+        before, after = (np.minimum(getattr(b, name), 10.0) for b in (smooth, real))
+        assert np.all(after > before * (1 - 2e-6))
+    assert 0.0 < float(real.m_primary - smooth.m_primary) < 0.1 * float(smooth.m_primary)
+
+
+@jax.jit
+def _smooth_and_bought(model, centre, max_step):
+    smooth = evaluate_box(model, centre, solve_thickness(model))
+    return smooth, bought_box(model, centre, smooth, increment=1e-4, max_step=max_step)
 
 
 MUTATIONS = {

@@ -97,7 +97,7 @@ def main():
     rows = {name: solve(*case) for name, case in CASES.items()}
     head = [
         f"# source: sectionproperties {version('sectionproperties')} (finite elements), box_sections.py beside it",
-        "# geometry: CASES there; section axes x aft of the leading edge, z up; m; q: flow of webs at mid height per N up",
+        "# geometry: CASES there; section axes x aft of the leading edge, z up; m; q: flow at mid web per N up",
         "# confidence: 0.1 %; the solid has walls of finite thickness, which thin-wall theory has not",
         "name," + ",".join(next(iter(rows.values()))),
     ]
