@@ -11,12 +11,14 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from hera_om.aircraft import load_aircraft
+from hera_om.aircraft.paths import variable_box
 from hera_om.components.wingbox import PARTS
 from hera_om.models.problems import build_aircraft
 from hera_om.physics.load_cases import CASES, UNIT_LOADS
 from hera_om.physics.wingbox_types import CRITERIA, PANELS
 
 SHEETS = ("t_skin_upper", "t_skin_lower", "t_web_front", "t_web_rear")
+AREAS = {"A_cap_root", "A_stringer_root"}
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
 
 
@@ -34,6 +36,8 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     factor = aircraft.mission.limit_load_factor
     drawings = {"sizing": draw_sizing(box), "loads": draw_loads(box, factor), "deflection": draw_deflection(box)}
+    if AREAS <= set(problem.model.wing_box.paths):
+        drawings["reserves"] = draw_reserves(problem.model.wing_box, variable_box(aircraft))
     for name, figure in drawings.items():
         figure.savefig(options.out / f"{options.aircraft}_{name}.png", dpi=110)
     print("\n".join(table(box)))
@@ -117,6 +121,26 @@ def draw_deflection(box: dict[str, Any]):
         axis.grid(lw=0.3)
     hertz = [float(box[f"omega_{name}"]) / (2 * np.pi) for name in ("bending", "torsion")]
     above.set_title(f"first frequencies with full tanks: bending {hertz[0]:.2f} Hz, torsion {hertz[1]:.2f} Hz")
+    return figure
+
+
+def draw_reserves(component, bounds):
+    """RFC and RFT over the areas of caps and stringers inside their bounds, at the loads of the baseline."""
+    evaluate, values = component.call()[0], component.values(component._inputs)
+    fixed = component.structure, component.statics, tuple(component.paths.items()), component.base, component.constants
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4), sharey=True, layout="constrained")
+    for axis, name in zip(axes, sorted(AREAS), strict=True):
+        place = bounds.names.index(name)
+        areas = np.linspace(bounds.lower[place], bounds.upper[place], 15)
+        found = [evaluate(*fixed, values | {name: np.asarray(area)}) for area in areas]
+        for reserve in ("RFC", "RFT"):
+            axis.plot(1e4 * areas, [float(f[reserve]) for f in found], ".-", label=reserve)
+        axis.axhline(1.5, color="k", lw=0.8)
+        axis.axvline(1e4 * bounds.baseline[place], color="k", lw=0.5, ls=":")
+        axis.set_xlabel(f"{name} [cm2]")
+        axis.grid(lw=0.3)
+    axes[0].set_ylabel("reserve factor")
+    axes[0].legend()
     return figure
 
 

@@ -1,6 +1,6 @@
 """Makes box_sections.csv: thin-walled boxes as solids in sectionproperties, finite elements of St Venant's problem.
 
-    python tests/reference/box_sections.py      (needs sectionproperties, in the extra "dev"; a minute)
+    python tests/reference/box_sections.py      (needs sectionproperties, in the extra "sections"; a minute)
 
 Walls stand astride the contour, webs are upright; nothing here is shared with hera_om.
 """
