@@ -49,6 +49,9 @@ class Mission(Part):
     reserve_factor: float = number("required ratio of allowable to limit stress", gt=0, le=10)
     V_C_EAS_m_s: float = number("design cruising speed, equivalent airspeed", "m/s", gt=0)
     V_D_EAS_m_s: float = number("design diving speed, equivalent airspeed", "m/s", gt=0)
+    landing_mass_kg: float | None = number("design landing mass; absent: the take-off mass", "kg", None, gt=0)
+    ceiling_m: float = number("greatest operating altitude", "m", 7620.0, gt=0, le=18288)
+    gear_stroke_m: float = number("stroke of the main gear with its tyres", "m", 0.35, gt=0, le=2)
 
 
 class Variable(Part):

@@ -20,6 +20,7 @@ PartT = TypeVar("PartT", bound=Part)
 _UNITS = {  # suffix of a key -> OpenMDAO unit; a longer suffix comes before its own tail
     "_kg_m3": "kg/m**3",
     "_kg_m2": "kg/m**2",
+    "_kgm2": "kg*m**2",
     "_1_per_s": "1/s",
     "_per_rad": "1/rad",
     "_m_s": "m/s",

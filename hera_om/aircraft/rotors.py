@@ -33,6 +33,7 @@ class Rotor(Part):
     beta75_min_deg: float | None = number("least blade pitch of the trim", "deg", None, ge=-90, le=90)
     beta75_max_deg: float | None = number("largest blade pitch of the trim", "deg", None, ge=-90, le=90)
     thrust_design_N: float | None = number("design thrust of one rotor; sets the split", "N", None, gt=0)
+    polar_inertia_kgm2: float = number("polar moment of inertia of what turns in one rotor", "kg*m2", 0.0, ge=0)
     shaft_power_max_W: float | None = number("shaft power of one rotor", "W", None, gt=0)
     blade: str = item("name of a [[blade]]", pattern=NAME)
 

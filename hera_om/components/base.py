@@ -30,6 +30,8 @@ class JaxComponent(om.ExplicitComponent):
     """
 
     READS: tuple[str, ...] = ()
+    PIECEWISE: tuple[str, ...] = ()
+    """Outputs that jump, such as rounded numbers: they are given no derivatives."""
 
     def initialize(self) -> None:
         """Declare the definition as the only option that all components share."""
@@ -111,9 +113,9 @@ class JaxComponent(om.ExplicitComponent):
         values = self.values(inputs)
         _, forward, reverse = self.call()
         n_in = sum(v.size for v in values.values())
-        n_out = sum(self._var_rel2meta[name]["size"] for name in self._var_rel_names["output"])
+        names = tuple(name for name in self._var_rel_names["output"] if name not in self.PIECEWISE)
+        n_out = sum(self._var_rel2meta[name]["size"] for name in names)
         jac = forward if n_in <= n_out else reverse
-        names = tuple(self._var_rel_names["output"])
         args = (self.structure, self.statics, tuple(self.paths.items()), names)
         matrix = np.asarray(jac(*args, self.base, self.constants, values))
         fill_partials(partials, matrix, names, values, self._outputs)

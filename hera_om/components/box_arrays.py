@@ -1,11 +1,15 @@
 """From a definition to the arrays of the wing box; traced numbers pass through."""
 
+from typing import NamedTuple
+
 import jax.numpy as jnp
 import numpy as np
 
+from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.components import arrays
 from hera_om.components.mass import ROTOR
+from hera_om.core.contours import contour_table
 from hera_om.physics.beam_loads import SpanMass, point_mass, spread_mass
 from hera_om.physics.geometry import span_weights
 from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, Material
@@ -14,7 +18,15 @@ TANK_STRIPS = 12
 SIDES = 2
 SECTION_KEYS = ("y_m", "chord_m", "thickness", "sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
 WING_KEYS = ("x_le_root_m", "z_root_m", "fuselage_joint_y_m", "fuel_tank", "structure")
-MISSION_KEYS = ("limit_load_factor", "reserve_factor")
+MISSION_KEYS = (
+    "limit_load_factor",
+    "reserve_factor",
+    "V_C_EAS_m_s",
+    "landing_mass_kg",
+    "ceiling_m",
+    "gear_stroke_m",
+)
+ROTOR_KEYS = ("polar_inertia_kgm2", "rpm")
 
 
 def box_reads(aircraft) -> tuple[str, ...]:
@@ -22,7 +34,8 @@ def box_reads(aircraft) -> tuple[str, ...]:
     wing = aircraft.wing
     paths = [f"wing.{key}" for key in WING_KEYS] + [f"mission.{key}" for key in MISSION_KEYS]
     paths += [f"wing.section.{s.name}.{key}" for s in wing.section for key in SECTION_KEYS]
-    paths.append(f"material.{wing.structure.material}")
+    paths += [f"rotor.{r.name}.{key}" for r in aircraft.rotor for key in ROTOR_KEYS]
+    paths += [f"material.{wing.structure.material}", "flight.altitude_m"]
     paths += [f"mass.{i.name}.m_kg" for i in _fuel(aircraft)]
     for item in _pods(aircraft):
         paths += [f"mass.{item.name}.{key}" for key in ("m_kg", "x_m", "z_m")]
@@ -41,7 +54,19 @@ def box_weights(aircraft) -> np.ndarray:
     return span_weights(breaks, aircraft.lattice.box_stations - 1, 0.0)[0]
 
 
-def box_geometry(aircraft, weights) -> BoxGeometry:
+def box_tables(aircraft, weights: np.ndarray) -> np.ndarray:
+    """Contours of the stations [n, 4, p], blended between the sections as their chords are."""
+    wing = lifting_surfaces(aircraft)[0]
+    tables = np.stack([contour_table(a) for a in wing.airfoils])
+    y, joint = np.asarray(wing.y, float), aircraft.wing.fuselage_joint_y_m
+    at_joint = np.stack([np.interp(joint, y, row) for row in tables.reshape(len(y), -1).T]).reshape(
+        1, *tables.shape[1:]
+    )
+    outboard = tables[len(tables) - weights.shape[1] + 1 :]
+    return np.tensordot(weights, np.concatenate([at_joint, outboard]), axes=1)
+
+
+def box_geometry(aircraft, weights, tables) -> BoxGeometry:
     """Wing at the stations."""
     s, joint, outboard = arrays.wing_arrays(aircraft), aircraft.wing.fuselage_joint_y_m, weights.shape[1] - 1
 
@@ -49,7 +74,7 @@ def box_geometry(aircraft, weights) -> BoxGeometry:
         return weights @ jnp.append(jnp.interp(joint, s.y, values), values[-outboard:])
 
     place = jnp.stack([stations(s.x_le), stations(s.y), stations(s.z)], axis=1)
-    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)))
+    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)), tables=tables)
 
 
 def box_material(aircraft) -> Material:
@@ -71,7 +96,15 @@ def box_concept(aircraft) -> BoxConcept:
     )
 
 
-def carried_masses(aircraft, edges, wing_mass) -> tuple[SpanMass, ...]:
+class Carried(NamedTuple):
+    """What the starboard wing carries; without fuel in the wing there is none of it."""
+
+    structure: SpanMass
+    fuel: tuple[SpanMass, ...]
+    motors: tuple[SpanMass, ...]
+
+
+def carried_masses(aircraft, edges, wing_mass) -> Carried:
     """What the starboard wing carries: structure, its half of the fuel at take-off, motors at the rotors.
 
     Structure and fuel are spread in proportion to chord times thickness, between the spars. An item that
@@ -82,17 +115,30 @@ def carried_masses(aircraft, edges, wing_mass) -> tuple[SpanMass, ...]:
         edges: y of the edges of the strips that the structure is spread over, from root to tip, m [edge].
         wing_mass: mass of both half wings, kg.
     """
-    masses = [_spread(aircraft, wing_mass, edges)]
+    tanks, motors = [], []
     tank, fuel = aircraft.wing.fuel_tank, _fuel(aircraft)
     if fuel:
         strips = tank.y0_m + (tank.y1_m - tank.y0_m) * jnp.linspace(0.0, 1.0, TANK_STRIPS + 1)
-        masses.append(_spread(aircraft, sum(i.m_kg for i in fuel), strips))
+        tanks.append(_spread(aircraft, sum(i.m_kg for i in fuel), strips))
     for item in _pods(aircraft):
         group = next(r for r in aircraft.rotor if r.name == item.tracks.removeprefix(ROTOR))
         places = [(item.x_m, y, item.z_m) for y in hub_ys(group)]
         points = jnp.stack([jnp.stack([jnp.asarray(v, float) for v in p]) for p in places])
-        masses.append(point_mass(jnp.full(len(places), item.m_kg / (SIDES * len(places))), points))
-    return tuple(masses)
+        motors.append(point_mass(jnp.full(len(places), item.m_kg / (SIDES * len(places))), points))
+    return Carried(_spread(aircraft, wing_mass, edges), tuple(tanks), tuple(motors))
+
+
+def rotor_spins(aircraft):
+    """Polar inertias [r], kg m2, and angular velocities [r, 3], rad/s, of the starboard rotors."""
+    groups = [group for group in aircraft.rotor for _ in range(group.count_per_side)]
+    inertia = jnp.stack([jnp.asarray(g.polar_inertia_kgm2, float) for g in groups])
+    turns = [g.rpm * np.pi / 30.0 * (-1.0 if g.sense == "inboard-up" else 1.0) for g in groups]
+    return inertia, jnp.stack([jnp.asarray(v, float) for v in turns])[:, None] * jnp.array([1.0, 0.0, 0.0])
+
+
+def fuel_mass(aircraft):
+    """Fuel in the wing at take-off, kg."""
+    return jnp.asarray(sum(i.m_kg for i in _fuel(aircraft)), float)
 
 
 def _spread(aircraft, both_sides, edges) -> SpanMass:

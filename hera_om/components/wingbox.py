@@ -1,4 +1,4 @@
-"""The sized wing box as a component: two load cases in, mass and reserve factors out."""
+"""The sized wing box as a component: two trimmed cases in, all load cases, mass and reserve factors out."""
 
 from typing import Any
 
@@ -7,6 +7,7 @@ import numpy as np
 import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
+from hera_om.aircraft.rotors import hub_ys
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values
 from hera_om.components.box_arrays import (
@@ -14,15 +15,30 @@ from hera_om.components.box_arrays import (
     box_geometry,
     box_material,
     box_reads,
+    box_tables,
     box_weights,
     carried_masses,
+    fuel_mass,
+    rotor_spins,
 )
-from hera_om.physics.beam_loads import Loads, case_loads, point_load, strip_load
-from hera_om.physics.wingbox import size_box
-from hera_om.physics.wingbox_types import CRITERIA, PANELS, BoxGeometry, elastic_axis, stack_cases
+from hera_om.physics.beam import deflection, first_of_each
+from hera_om.physics.beam_loads import (
+    Loads,
+    SpanLoad,
+    SpanMass,
+    inertia_load,
+    point_load,
+    section_loads,
+    strip_load,
+)
+from hera_om.physics.bird_strike import leading_edge
+from hera_om.physics.load_cases import CASES, CaseWeights, case_matrix, gyroscopic_moment
+from hera_om.physics.wingbox import box_model, evaluate_box, solve_thickness
+from hera_om.physics.wingbox_beam import wing_beam
+from hera_om.physics.wingbox_bought import bought_box
+from hera_om.physics.wingbox_types import CRITERIA, PANELS, BoxGeometry, BoxLoads, box_centre, elastic_axis
 
-PULL_UP, CRUISE = "pullup_", "cruise_"
-CASES = (PULL_UP, CRUISE)
+TRIMMED = ("pullup_", "cruise_")
 UNCARRIED = 1e-6  # excess of the utilisation above which a station counts as not carrying its load
 PARTS = ("skins", "webs", "caps", "stringers", "ribs", "centre_section")
 SPANWISE = {
@@ -36,23 +52,27 @@ SPANWISE = {
     "box_y": ("m", "y of the stations, from the joint to the tip"),
     "shear": ("N", "limit shear in the pull-up by station, up positive"),
     "bending": ("N*m", "limit bending moment in the pull-up by station, tip up positive"),
-    "torsion": ("N*m", "limit torque in the pull-up by station about 38 % of the chord, nose up positive"),
+    "torsion": ("N*m", "limit torque in the pull-up by station about 35 % of the chord, nose up positive"),
 }
 
 
 class WingBox(JaxComponent):
-    """Sizing under the limit loads of a pull-up (the mission's load factor) and of the cruise (factor 1).
+    """Sizing under the limit loads of `load_cases.CASES`, and the reserve of caps and stringers.
 
-    Loads of each case come from an `Aerodynamics` at its condition, under the prefixes ``pullup_`` and
-    ``cruise_``. All rotors of the starboard side are taken to hang on the wing; what stands inboard of the
-    fuselage joint does not load it. Relief: wing mass ``m_wing_relief`` (a group connects it to ``m_wing``),
-    half the fuel items at their mass in the definition when there is a tank, and the items that track a rotor
-    group.
+    Air loads come from two `Aerodynamics`, under the prefixes ``pullup_`` (at the mission's load factor and the
+    take-off mass) and ``cruise_`` (factor 1, ``mass_cruise``); every case is a mixture of the two by its lift. All
+    rotors of the starboard side are taken to hang on the wing; what stands inboard of the fuselage joint does not
+    load it. Relief: wing mass ``m_wing_relief`` (a group connects it to ``m_wing``), half the fuel items at their
+    mass in the definition when there is a tank, and the items that track a rotor group.
 
     ``m_wing`` is primary structure / primary_fraction + remainder: the definition's ``mass_remainder_kg``,
     else the option ``remainder``, else none. It is frozen at the baseline: `frozen_remainder` gives the value
-    for the option.
+    for the option. ``m_wing_rounded`` is the same with the sheets that can be bought.
+
+    ``last`` holds everything of the last evaluation by name, for pictures and diagnosis.
     """
+
+    PIECEWISE = ("sizing_case", "sizing_criterion", "m_wing_rounded", "RFC_rounded", "RFT_rounded")
 
     def initialize(self) -> None:
         """Declare the options."""
@@ -60,6 +80,7 @@ class WingBox(JaxComponent):
         self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
         text = "mass beside primary / primary_fraction where the definition has no mass_remainder_kg [kg]"
         self.options.declare("remainder", 0.0, types=float, desc=text)
+        self.last: Values = {}
 
     def setup(self) -> None:
         """Read no more of the definition than the box depends on."""
@@ -67,58 +88,93 @@ class WingBox(JaxComponent):
         super().setup()
 
     def declare(self) -> None:
-        """Loads of both cases in; mass, reserve factors and distributions out."""
+        """Loads of both trimmed cases in; mass, reserve factors and distributions out."""
         aircraft = self.options["aircraft"]
-        self.constants = (box_weights(aircraft), np.asarray(self.options["remainder"]))
+        weights = box_weights(aircraft)
+        self.constants = (weights, box_tables(aircraft, weights), np.asarray(self.options["remainder"]))
+        self.statics = _outer_rotor(aircraft)
         for name, (value, units, desc) in _load_inputs(aircraft).items():
-            for prefix in CASES:
+            for prefix in TRIMMED:
                 self.add(prefix + name, val=value, units=units, desc=desc)
         total = aircraft.wing.structure.mass_total_baseline_kg
         self.add("m_wing_relief", val=total, units="kg", desc="mass of the wing whose weight relieves it")
+        mass = max(sum(item.m_kg for item in aircraft.mass), total)
+        self.add("mass", val=mass, units="kg", desc="take-off mass, of the pull-up")
+        self.add("mass_cruise", val=mass, units="kg", desc="mass in the trimmed cruise")
+        self.add("CZ_alpha", val=6.0, units="1/rad", desc="slope of lift of the aircraft, for gusts")
+        self.add("speed", val=150.0, units="m/s", desc="true airspeed of the trimmed cases")
+        self._declare_results(aircraft.lattice.box_stations)
+
+    def _declare_results(self, stations: int) -> None:
+        """Outputs."""
         for name in ("m_wing", "RFC", "RFT"):
             self.add(name)
         self.add("RF_yield", desc="reserve factor of caps and stringers in yield at limit load, required 1")
         for part in PARTS:
             self.add(f"m_{part}", units="kg", desc=f"mass of the {part.replace('_', ' ')} of the sized box")
         self.add("m_primary", units="kg", desc="mass of the sized primary structure of the wing")
+        self.add("m_secondary", units="kg", desc="mass that goes with the primary structure, by primary_fraction")
+        self.add("m_leading_edge", units="kg", desc="part of m_secondary: skin ahead of the front spar, by bird strike")
         self.add("m_remainder", units="kg", desc="frozen mass of the wing beside primary / primary_fraction")
+        self.add("m_wing_rounded", units="kg", desc="mass of the wing with thicknesses that can be bought")
+        self.add("RFC_rounded", desc="RFC with thicknesses that can be bought")
+        self.add("RFT_rounded", desc="RFT with thicknesses that can be bought")
+        for name, text in (("w_tip", "deflection"), ("twist_tip", "twist nose-up")):
+            units = "m" if name == "w_tip" else "rad"
+            self.add(name, units=units, desc=f"{text} of the tip in the pull-up, from the joint, limit load")
+        for name in ("bending", "torsion"):
+            self.add(f"omega_{name}", units="rad/s", desc=f"first frequency of the full wing, mostly {name}")
         for name, (units, desc) in SPANWISE.items():
-            self.add(name, shape=(aircraft.lattice.box_stations,), units=units, desc=desc)
+            self.add(name, shape=(stations,), units=units, desc=desc)
+        panels = f"of {', '.join(PANELS)} (rows) by station"
+        self.add("sizing_case", shape=(4, stations), desc=f"number of the sizing case {panels}; {', '.join(CASES)}")
+        self.add("sizing_criterion", shape=(4, stations), desc=f"what sizes {panels}: {', '.join(CRITERIA)}")
 
     @staticmethod
     def evaluate(aircraft: Any, statics: Any, constants: Any, inputs: Values) -> Values:
-        """Loads, sizing, mass; ``worst_excess`` and ``use`` are for the diagnosis alone."""
-        weights, remainder = constants
-        structure, geometry = aircraft.wing.structure, box_geometry(aircraft, weights)
-        factors = (aircraft.mission.limit_load_factor, 1.0)
-        loads = [_loads(aircraft, geometry, inputs, p, n) for p, n in zip(CASES, factors, strict=True)]
-        box = size_box(
-            geometry,
-            box_material(aircraft),
-            box_concept(aircraft),
-            loads=stack_cases(*loads),
-            A_cap_root=structure.A_cap_root_m2,
-            A_stringer_root=structure.A_stringer_root_m2,
-        )
+        """Loads, sizing, mass; what is no declared output is for pictures and the diagnosis alone."""
+        weights, tables, remainder = constants
+        structure, geometry = aircraft.wing.structure, box_geometry(aircraft, weights, tables)
+        unit = _unit_loads(aircraft, geometry, inputs, statics)
+        cases = Loads(*(_case_matrix(aircraft, inputs) @ jnp.stack(v) for v in zip(*unit, strict=True)))
+        concept, material = box_concept(aircraft), box_material(aircraft)
+        areas = {"A_cap_root": structure.A_cap_root_m2, "A_stringer_root": structure.A_stringer_root_m2}
+        model = box_model(geometry, material, concept, loads=BoxLoads(**cases._asdict()), **areas)
+        centre = box_centre(geometry, concept)
+        box = evaluate_box(model, centre, solve_thickness(model))
+        bought = bought_box(model, centre, box, increment=structure.t_increment_m, max_step=structure.t_step_max_m)
+        edge = leading_edge(geometry, material, concept, speed=aircraft.mission.V_C_EAS_m_s)
         rest = remainder if structure.mass_remainder_kg is None else structure.mass_remainder_kg
-        out = {name: value for name, value in box._asdict().items() if name not in ("mass", "cg", "active")}
+        share = structure.primary_fraction
+        out = {name: value for name, value in box._asdict().items() if name != "mass"}
         out |= {f"m_{part}": getattr(box.mass, part) for part in PARTS}
-        out |= {"m_wing": box.m_primary / structure.primary_fraction + rest, "m_remainder": jnp.asarray(rest)}
-        pull_up = dict(zip(("shear", "bending", "torsion"), loads[0][:3], strict=True))
-        return out | pull_up | {"box_y": geometry.leading_edge[:, 1]}
+        out |= {"m_wing": box.m_primary / share + rest, "m_remainder": jnp.asarray(rest)}
+        out |= {"m_secondary": box.m_primary * (1.0 / share - 1.0), "m_leading_edge": edge.mass}
+        out |= {"m_wing_rounded": bought.m_primary / share + rest, "bought": bought, "leading_edge": edge}
+        out |= {"RFC_rounded": bought.RFC, "RFT_rounded": bought.RFT}
+        out |= dict(zip(("shear", "bending", "torsion"), (v[0] for v in cases[:3]), strict=True))
+        out |= {"sizing_case": box.sizing_case.astype(float), "sizing_criterion": box.active.astype(float)}
+        weight = Loads(*(jnp.sum(jnp.stack(parts), axis=0) for parts in zip(*unit[3:6], strict=True)))
+        beam = wing_beam(geometry, material, box.section, weight)
+        bent = deflection(beam, shear=cases.V[0], bending=cases.M[0], torque=cases.T[0])
+        out |= {"w_tip": bent.w[-1], "twist_tip": bent.twist[-1], "bent": bent}
+        out |= dict(zip(("omega_bending", "omega_torsion"), first_of_each(beam), strict=True))
+        return out | {"box_y": geometry.leading_edge[:, 1], "case_loads": cases, "unit_loads": unit}
 
     def store(self, out: Values, outputs) -> None:
         """Copy results, unless a station cannot carry its load at any thickness."""
+        self.last = out
         super().store(out, outputs)
         excess = np.asarray(out["worst_excess"])
         if np.max(excess) > UNCARRIED:
             station = int(np.argmax(excess))
             use = np.asarray(out["use"])[:, :, station]
             panel, criterion = np.unravel_index(np.argmax(use), use.shape)
+            case = CASES[int(out["sizing_case"][panel, station])]
             place = f"bay {station + 1} of {len(excess)} at y = {float(out['box_y'][station]):.2f} m"
             raise om.AnalysisError(
                 f"{self.pathname}: {place}: no allowed thickness carries the load; "
-                f"{PANELS[panel]}, {CRITERIA[criterion]}: utilisation {use[panel, criterion]:.3g}"
+                f"{PANELS[panel]}, {CRITERIA[criterion]} in {case}: utilisation {use[panel, criterion]:.3g}"
             )
 
 
@@ -167,17 +223,57 @@ def _load_inputs(aircraft) -> dict[str, tuple[Any, str, str]]:
     return found
 
 
-def _loads(aircraft, geometry: BoxGeometry, inputs: Values, prefix: str, load_factor) -> Loads:
-    """Section loads of one case at the stations."""
-    point, force, moment = (inputs[f"{prefix}strip_{k}"] for k in ("point", "force", "moment"))
-    none = jnp.zeros((0, 3))
-    hub, thrust, torque = (inputs.get(f"{prefix}rotor_{k}", none) for k in ("hub", "force", "moment"))
-    edges = inputs[f"{prefix}strip_edge"]
-    return case_loads(
-        geometry.leading_edge[:, 1],
-        elastic_axis(geometry),
-        aerodynamic=strip_load(edges, point, forces=force, moments=moment),
-        rotors=point_load(hub, forces=thrust, moments=torque),
-        masses=carried_masses(aircraft, edges, inputs["m_wing_relief"]),
-        load_factor=load_factor,
+def _outer_rotor(aircraft) -> int:
+    """Place of the rotor farthest outboard among the starboard rotors."""
+    hubs = [float(y) for group in aircraft.rotor for y in hub_ys(group)]
+    return int(np.argmax(hubs)) if hubs else 0
+
+
+def _unit_loads(aircraft, geometry: BoxGeometry, inputs: Values, outer: int) -> list[Loads]:
+    """Section loads of each of `load_cases.UNIT_LOADS`."""
+    y, axis = geometry.leading_edge[:, 1], elastic_axis(geometry)
+    carried = carried_masses(aircraft, inputs["cruise_strip_edge"], inputs["m_wing_relief"])
+    nothing = point_load(jnp.zeros((1, 3)), forces=jnp.zeros((1, 3)), moments=jnp.zeros((1, 3)))
+
+    def air(prefix: str) -> Loads:
+        point, force, moment = (inputs[f"{prefix}strip_{k}"] for k in ("point", "force", "moment"))
+        return section_loads(
+            y, axis, strip_load(inputs[f"{prefix}strip_edge"], point, forces=force, moments=moment), *hubs(prefix)
+        )
+
+    def hubs(prefix: str) -> list[SpanLoad]:
+        if not aircraft.rotor:
+            return []
+        hub, force, moment = (inputs[f"{prefix}rotor_{k}"] for k in ("hub", "force", "moment"))
+        return [point_load(hub, forces=force, moments=moment)]
+
+    def weight(*masses: SpanMass) -> Loads:
+        return section_loads(y, axis, nothing, *(inertia_load(m, 1.0) for m in masses))
+
+    failed = turning = nothing
+    if aircraft.rotor:
+        (every,) = hubs("cruise_")
+        failed = SpanLoad(*(v[outer : outer + 1] for v in every))
+        moment = gyroscopic_moment(*rotor_spins(aircraft), jnp.array([0.0, 1.0, 0.0]))
+        turning = point_load(inputs["cruise_rotor_hub"], forces=0.0 * moment, moments=moment)
+    masses = [weight(carried.structure), weight(*carried.fuel), weight(*carried.motors)]
+    return [air("cruise_"), air("pullup_"), section_loads(y, axis, failed), *masses, section_loads(y, axis, turning)]
+
+
+def _case_matrix(aircraft, inputs: Values):
+    """Coefficients of the unit loads in each case."""
+    mission = aircraft.mission
+    landing = inputs["mass"] if mission.landing_mass_kg is None else mission.landing_mass_kg
+    area, chord, _ = arrays.reference(aircraft)
+    return case_matrix(
+        CaseWeights(inputs["mass"], inputs["mass_cruise"], fuel_mass(aircraft), landing),
+        limit_factor=mission.limit_load_factor,
+        lift_slope=inputs["CZ_alpha"],
+        area=area,
+        chord=chord,
+        altitude=aircraft.flight.altitude_m,
+        V_C=mission.V_C_EAS_m_s,
+        ceiling=mission.ceiling_m,
+        speed=inputs["speed"],
+        stroke=mission.gear_stroke_m,
     )

@@ -58,22 +58,31 @@ def fitted_line(x: Any, z: Any, at: Any) -> tuple[np.ndarray, np.ndarray]:
     Returns:
         ``(z / c, dz / dx)``, each of the shape of ``at``.
     """
-    x, z, at = np.asarray(x, float), np.asarray(z, float), np.asarray(at, float)
-    nose, tail = x.min(), x[-1] if is_mean_line(x) else (x[0] + x[-1]) / 2
-    t, z = _angle((x - nose) / (tail - nose)), z / (tail - nose)
-    if is_mean_line(x):
-        mean = _Spline(_knots(t, _MOST_INTERVALS), odd=False)
-        values = np.linalg.lstsq(mean.rows(t)[0], z, rcond=None)[0]
-    else:
-        first = int(np.argmin(x))
-        side = np.where(np.arange(len(x)) <= first, 1.0, -1.0)
-        knots = _knots(t, min(_MOST_INTERVALS, max(3, min(first, len(x) - first - 1) // 2)))
-        mean, half = _Spline(knots, odd=False), _Spline(knots, odd=True)
-        basis = np.hstack([mean.rows(t)[0], side[:, None] * half.rows(t)[0][:, 1:]])  # half is 0 at the nose
-        values = np.linalg.lstsq(basis, z, rcond=None)[0][: len(knots)]
+    at = np.asarray(at, float)
+    mean, values, _, _ = _fit(x, z)
     height, rate, second = (rows @ values for rows in mean.rows(_angle(at).ravel()))
     slope = _by_chord(_angle(at).ravel(), rate, second)
     return (height - values[0]).reshape(at.shape), slope.reshape(at.shape)
+
+
+def fitted_half(x: Any, z: Any, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half thickness over chord of a contour and its rate by t, at angles t of chord fractions (1 - cos t) / 2.
+
+    The odd part of the fit of `fitted_line`; arguments as there, but ``x`` must be those of a contour.
+    """
+    _, _, half, values = _fit(x, z)
+    value, rate, _ = (rows[:, 1:] @ values for rows in half.rows(np.asarray(t, float)))
+    return value, rate
+
+
+def naca_half(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half thickness over chord per unit thickness ratio of the NACA form and its rate by t; Abbott, eq. 6.2."""
+    t = np.asarray(t, float)
+    x, slope = (1 - np.cos(t)) / 2, np.sin(t) / 2
+    root, *rest = (a / 0.2 for a in _THICKNESS)
+    value = root * np.sin(t / 2) + sum(a * x**i for i, a in enumerate(rest, 1))
+    rate = root * np.cos(t / 2) / 2 + slope * sum(i * a * x ** (i - 1) for i, a in enumerate(rest, 1))
+    return value, rate
 
 
 def mean_line(airfoil: Any, x: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +117,24 @@ def contour(height: Any, thickness: float, points: int = 61) -> Contour:
     upper, lower = (z + half)[::-1], (z - half)[1:]
     both = np.concatenate([x[::-1], x[1:]]), np.concatenate([upper, lower])
     return Contour(*(tuple(np.round(v, 9).tolist()) for v in both))
+
+
+def _fit(x: Any, z: Any) -> tuple["_Spline", np.ndarray, "_Spline", np.ndarray]:
+    """Splines of mean line and half thickness and their values at the knots; a mean line has no half."""
+    x, z = np.asarray(x, float), np.asarray(z, float)
+    nose, tail = x.min(), x[-1] if is_mean_line(x) else (x[0] + x[-1]) / 2
+    t, z = _angle((x - nose) / (tail - nose)), z / (tail - nose)
+    if is_mean_line(x):
+        knots = _knots(t, _MOST_INTERVALS)
+        mean, half = _Spline(knots, odd=False), _Spline(knots, odd=True)
+        return mean, np.linalg.lstsq(mean.rows(t)[0], z, rcond=None)[0], half, np.zeros(len(knots) - 1)
+    first = int(np.argmin(x))
+    side = np.where(np.arange(len(x)) <= first, 1.0, -1.0)
+    knots = _knots(t, min(_MOST_INTERVALS, max(3, min(first, len(x) - first - 1) // 2)))
+    mean, half = _Spline(knots, odd=False), _Spline(knots, odd=True)
+    basis = np.hstack([mean.rows(t)[0], side[:, None] * half.rows(t)[0][:, 1:]])  # half is 0 at the nose
+    values = np.linalg.lstsq(basis, z, rcond=None)[0]
+    return mean, values[: len(knots)], half, values[len(knots) :]
 
 
 class _Spline:

@@ -123,6 +123,7 @@ class TrimmedAircraft(om.Group):
         inputs = box_variables(aircraft)
         closed = self.options["close_mass"]
         outputs = ["*"] if closed else ["m_primary", "RFC", "RFT"]
+        inputs += ["mass", "mass_cruise", "CZ_alpha", "speed"]
         # OpenMDAO hands a component its own output only in derivatives: the feedback goes through a copy.
         kg = {"units": "kg", "val": wing_structure(aircraft).mass_total_baseline_kg}
         copy = om.ExecComp("m_wing_relief = m_wing", m_wing=kg, m_wing_relief=kg)

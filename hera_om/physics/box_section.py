@@ -1,8 +1,8 @@
-"""A single closed box between two spars: its shape in an airfoil, section properties and shear flow.
+"""A single closed box between two spars: members, section properties and shear flow in two axes.
 
-Idealisation: covers follow the symmetric thickness form of the airfoil (camber is left out), two straight
-webs, four caps, stringers smeared over the covers. Circulating shear flow and torque are positive nose-up:
-up the front web, aft along the upper cover, down the rear web, forward along the lower cover.
+Idealisation (Megson, Aircraft Structures for Engineering Students, ch. 16 to 20): sheets carry direct stress along
+their polygon, four caps are points at the corners, stringers are smeared over the covers, both sunk below the
+contour. Flow and torque are positive nose-up: up the front web, aft along the upper cover.
 """
 
 from typing import NamedTuple
@@ -11,14 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-ScalarLike = Float[Array, ""] | float | int
+from hera_om.physics.box_contour import CORNERS, INWARD, LOWER, SEGMENT_PANEL, UPPER, BoxShape
 
-# NACA four-digit thickness form, used by the five-digit sections too: Abbott & von Doenhoff, Theory of Wing
-# Sections, eq. 6.2, as coefficients of sqrt(x), x, x^2, x^3, x^4 for half thickness over chord at thickness
-# ratio 1.
-_NACA_THICKNESS = (1.4845, -0.6300, -1.7580, 1.4215, -0.5075)
-_X_THICKEST = 0.30
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+ScalarLike = Float[Array, ""] | float | int
 
 # Z stringer: both flanges 0.4 of the web height, sheet 1/16 of it. Design choice inside the usual ranges
 # (flange 0.3 to 0.5, height over sheet 12 to 25; Niu, Airframe Structural Design, on stringer panels).
@@ -26,20 +21,7 @@ Z_FLANGE = 0.4
 Z_SLENDERNESS = 16.0
 # A cap is a flange lying on the contour, four times as wide as thick: design choice.
 CAP_ASPECT = 4.0
-
-
-class BoxShape(NamedTuple):
-    """Dimensions of the box at n stations, m: everything that does not depend on the sheet thickness."""
-
-    width: Float[Array, "n"]
-    h_front: Float[Array, "n"]
-    h_rear: Float[Array, "n"]
-    h_mean: Float[Array, "n"]
-    z_square: Float[Array, "n"]
-    """Mean square of the covers' half height, m2."""
-    z_max: Float[Array, "n"]
-    """Largest half height between the spars: the extreme fibre."""
-    enclosed: Float[Array, "n"]
+_CAP_INWARD = np.array([1.0, -1.0, -1.0, 1.0])[:, None]  # along z, at `CORNERS`
 
 
 class BoxMembers(NamedTuple):
@@ -60,75 +42,41 @@ class StringerSection(NamedTuple):
 
 
 class Section(NamedTuple):
-    """Properties about the horizontal axis at n stations; first moments, m3, for the shear flow."""
+    """Properties at n stations; second moments about the centroid."""
 
     area: Float[Array, "n"]
+    x_centroid: Float[Array, "n"]
     z_centroid: Float[Array, "n"]
-    inertia: Float[Array, "n"]
+    I_xx: Float[Array, "n"]
+    """Integral of z^2: bending of the tip upwards."""
+    I_zz: Float[Array, "n"]
+    """Integral of x^2: bending of the tip forwards."""
+    I_xz: Float[Array, "n"]
+    """Integral of x z."""
     torsion_constant: Float[Array, "n"]
-    upper_moments: Float[Array, "3 n"]
-    """Front cap, sheet with stringers, rear cap of the upper cover about the centroid."""
-    lower_moments: Float[Array, "3 n"]
+    sheet_moments: Float[Array, "2 k n"]
+    """First moments, x and z, of each segment with its stringers, m3."""
+    cap_moments: Float[Array, "2 k n"]
+    """First moments of the cap at the first node of each segment, zero elsewhere, m3."""
+    stringer_moments: Float[Array, "2 k n"]
+    """Half the first moment of the sinking of the stringers of each segment, m3; x has none."""
+    segment_area: Float[Array, "k n"]
+    """Sheet and stringers of each segment."""
 
 
 class ShearFlow(NamedTuple):
-    """Circulating flow for unit upward shear through the shear centre, 1/m, and that centre.
+    """Flow along the loop for a unit force aft and a unit force up through the shear centre, and that centre.
 
-    ``covers[i, j]``: upper and lower cover at the front and rear end. ``web_peak[i]``, ``web_edge[i]``:
-    front and rear web at the neutral axis and at the upper cap.
+    ``start[j]``, ``end[j]``: at the ends of each segment, 1/m; j = 0 aft, 1 up.
     """
 
-    covers: Float[Array, "2 2 n"]
-    web_peak: Float[Array, "2 n"]
-    web_edge: Float[Array, "2 n"]
+    start: Float[Array, "2 k n"]
+    middle: Float[Array, "2 k n"]
+    end: Float[Array, "2 k n"]
     x_shear_centre: Float[Array, "n"]
-    """Aft of the front spar, m."""
-
-
-def half_thickness(x: Float[Array, "*s"]) -> Float[Array, "*s"]:
-    """Half thickness over (chord times thickness ratio) of the NACA thickness form at chord fraction x."""
-    c0, c1, c2, c3, c4 = _NACA_THICKNESS
-    return c0 * jnp.sqrt(x) + x * (c1 + x * (c2 + x * (c3 + x * c4)))
-
-
-def box_shape(
-    chord: Float[Array, "n"],
-    thickness_ratio: Float[Array, "n"],
-    *,
-    front_spar: ScalarLike,
-    rear_spar: ScalarLike,
-) -> BoxShape:
-    """Box cut out of a NACA thickness form by two spars.
-
-    z(x) = c (t/c) f(x), Abbott & von Doenhoff eq. 6.2; means over the width by 8-point Gauss quadrature
-    (1e-6).
-
-    Args:
-        chord: chord, m [n].
-        thickness_ratio: thickness over chord [n].
-        front_spar: chord fraction of the front web, 0.05 to rear_spar.
-        rear_spar: chord fraction of the rear web, below 0.9.
-
-    Returns:
-        The shape at n stations.
-    """
-    scale = chord * thickness_ratio
-    spars = jnp.asarray([front_spar, rear_spar])
-    nodes = spars[0] + (spars[1] - spars[0]) * 0.5 * (1.0 + jnp.asarray(_NODES))
-    weights = 0.5 * jnp.asarray(_WEIGHTS)
-    inside = half_thickness(nodes)
-    ends = half_thickness(spars)
-    width = chord * (spars[1] - spars[0])
-    h_mean = 2.0 * scale * jnp.sum(weights * inside)
-    return BoxShape(
-        width=width,
-        h_front=2.0 * scale * ends[0],
-        h_rear=2.0 * scale * ends[1],
-        h_mean=h_mean,
-        z_square=jnp.square(scale) * jnp.sum(weights * jnp.square(inside)),
-        z_max=scale * half_thickness(jnp.clip(_X_THICKEST, spars[0], spars[1])),
-        enclosed=width * h_mean,
-    )
+    """Aft of the leading edge, m."""
+    z_shear_centre: Float[Array, "n"]
+    """Above the chord line, m."""
 
 
 def box_members(
@@ -171,11 +119,22 @@ def cap_depth(area: Float[Array, "n"]) -> Float[Array, "n"]:
     return 0.5 * jnp.sqrt(area / CAP_ASPECT)
 
 
-def section_properties(shape: BoxShape, members: BoxMembers, t: Float[Array, "4 n"]) -> Section:
-    """Area, centroid, second moment, torsion constant and first moments by thin-wall theory.
+def _next(values: Float[Array, "k n"]) -> Float[Array, "k n"]:
+    """Values at the second nodes of the segments."""
+    return jnp.roll(values, -1, axis=0)
 
-    I = sum(A z^2) - A z_c^2 with the webs' t h^3 / 12; Bredt's J = 4 A^2 / sum(ds / t). Megson, Aircraft
-    Structures, ch. 16 to 18.
+
+def _smeared(shape: BoxShape, members: BoxMembers) -> Float[Array, "k n"]:
+    """Area of the stringers of each segment."""
+    density = members.n_stringer * members.A_stringer / shape.arc
+    return shape.length * jnp.zeros_like(shape.length).at[UPPER].set(density[0]).at[LOWER].set(density[1])
+
+
+def section_properties(shape: BoxShape, members: BoxMembers, t: Float[Array, "4 n"]) -> Section:
+    """Area, centroid, second moments in two axes, torsion constant and first moments by thin-wall theory.
+
+    Sheet of area A between two nodes: int z^2 dA = A (z1^2 + z1 z2 + z2^2) / 3 and alike; Bredt's
+    J = 4 A^2 / sum(ds / t). Megson, ch. 16.4 and 18.1.
 
     Args:
         shape: the box [n].
@@ -183,48 +142,49 @@ def section_properties(shape: BoxShape, members: BoxMembers, t: Float[Array, "4 
         t: thickness of upper skin, lower skin, front web, rear web, m [4, n].
 
     Returns:
-        Section properties. Errors: covers are taken as wide as the box (arc 1 % longer), webs as straight.
+        Section properties.
     """
-    t_upper, t_lower, t_front, t_rear = t
-    stringers = members.n_stringer * members.A_stringer
-    depth = z_stringer(members.A_stringer).centroid
-    sink = cap_depth(members.A_cap)
-    z_front, z_rear, z_mean = 0.5 * shape.h_front - sink, 0.5 * shape.h_rear - sink, 0.5 * shape.h_mean
-    sheet_area = shape.width * jnp.stack([t_upper, t_lower])
-    sheet_first = sheet_area * z_mean + stringers * (z_mean - depth)
-    sheet_second = sheet_area * shape.z_square + stringers * (shape.z_square - 2.0 * z_mean * depth + jnp.square(depth))
-    webs = t_front * shape.h_front + t_rear * shape.h_rear
-    web_inertia = (t_front * shape.h_front**3 + t_rear * shape.h_rear**3) / 12.0
-    area = jnp.sum(sheet_area, axis=0) + 2.0 * stringers + 4.0 * members.A_cap + webs
-    z_c = (sheet_first[0] - sheet_first[1]) / area
-    about_chord = jnp.sum(sheet_second, axis=0) + 2.0 * members.A_cap * (z_front**2 + z_rear**2) + web_inertia
-    perimeter = shape.width * (1.0 / t_upper + 1.0 / t_lower) + shape.h_front / t_front + shape.h_rear / t_rear
-    upper, lower = (
-        jnp.stack(
-            [
-                members.A_cap * (z_front - shift),
-                sheet_first[i] - (sheet_area[i] + stringers) * shift,
-                members.A_cap * (z_rear - shift),
-            ]
-        )
-        for i, shift in ((0, z_c), (1, -z_c))
-    )
+    sheets = t[SEGMENT_PANEL] * shape.length
+    stringers, sink = _smeared(shape, members), INWARD[:, None] * z_stringer(members.A_stringer).centroid
+    caps = members.A_cap
+    cap_x, cap_z = shape.x[CORNERS], shape.z[CORNERS] + _CAP_INWARD * cap_depth(caps)
+    total = sheets + stringers
+    area = jnp.sum(total, axis=0) + 4.0 * caps
+    middle_x, middle_z = 0.5 * (shape.x + _next(shape.x)), 0.5 * (shape.z + _next(shape.z))
+    x_c = (jnp.sum(total * middle_x, axis=0) + caps * jnp.sum(cap_x, axis=0)) / area
+    z_c = (jnp.sum(total * middle_z + stringers * sink, axis=0) + caps * jnp.sum(cap_z, axis=0)) / area
+    x1, z1 = shape.x - x_c, shape.z - z_c
+    x2, z2 = _next(x1), _next(z1)
+    cap_x, cap_z = cap_x - x_c, cap_z - z_c
+
+    def second(a1, a2, b1, b2, cap, sunk):
+        sheet = total * (2.0 * (a1 * b1 + a2 * b2) + a1 * b2 + a2 * b1) / 6.0
+        return jnp.sum(sheet + stringers * sunk, axis=0) + caps * jnp.sum(cap, axis=0)
+
+    corner = jnp.zeros((2, *shape.x.shape)).at[:, CORNERS].set(caps * jnp.stack([cap_x, cap_z]))
+    sinking = 0.5 * jnp.stack([jnp.zeros_like(sink), stringers * sink])
     return Section(
-        area,
-        z_c,
-        about_chord - area * jnp.square(z_c),
-        4.0 * jnp.square(shape.enclosed) / perimeter,
-        upper,
-        lower,
+        area=area,
+        x_centroid=x_c,
+        z_centroid=z_c,
+        I_xx=second(z1, z2, z1, z2, cap_z**2, sink * (z1 + z2) + sink**2),
+        I_zz=second(x1, x2, x1, x2, cap_x**2, jnp.zeros_like(sink)),
+        I_xz=second(x1, x2, z1, z2, cap_x * cap_z, 0.5 * sink * (x1 + x2)),
+        torsion_constant=4.0 * jnp.square(shape.enclosed) / jnp.sum(shape.length / t[SEGMENT_PANEL], axis=0),
+        sheet_moments=total * 0.5 * jnp.stack([x1 + x2, z1 + z2]) + 2.0 * sinking,
+        cap_moments=corner,
+        stringer_moments=sinking,
+        segment_area=total,
     )
 
 
 def shear_flow(shape: BoxShape, section: Section, t: Float[Array, "4 n"]) -> ShearFlow:
-    """Flow in the closed box for unit upward shear through its shear centre, and where that is.
+    """Flow in the closed box for unit forces through its shear centre, and where that is.
 
-    dq = -(V / I) dS along the wall, closed by zero twist, sum(q ds / t) = 0: Megson ch. 17.3. The covers'
-    vertical component is left to the webs, so the flow is scaled until the two webs carry all of V; for a
-    rectangular thin-walled box that scale is 1 / I.
+    dq = -(b x + c z) dA along the wall, closed by zero twist, sum(q ds / t) = 0: Megson, ch. 17.3, b and c from the
+    second moments. Caps and stringers are sunk below the wall, and shed their flow over their depth: the flow
+    of the webs between them is as here, over the whole wall it sums to somewhat more than the force. The
+    shear centre is the line of action of its resultant.
 
     Args:
         shape: the box [n].
@@ -232,34 +192,27 @@ def shear_flow(shape: BoxShape, section: Section, t: Float[Array, "4 n"]) -> She
         t: thickness of upper skin, lower skin, front web, rear web, m [4, n].
 
     Returns:
-        Flows per unit shear and the shear centre.
+        Flows per unit force and the shear centre.
     """
-    t_upper, t_lower, t_front, t_rear = t
-    up, low = section.upper_moments, section.lower_moments
-    h_f, h_r, w, z_c = shape.h_front, shape.h_rear, shape.width, section.z_centroid
-    total = jnp.sum(up, axis=0)
-    # Everything per unit V / I, with the upward flow at the top of the front web as the one unknown q.
-    web_first = -z_c * h_f * t_front  # from top to bottom of the front web, about the centroid
-    web_extra_f, web_extra_r = (tw * (h**3 / 12.0 - 0.5 * h**2 * z_c) for tw, h in ((t_front, h_f), (t_rear, h_r)))
-    sag_upper, sag_lower = up[0] + 0.5 * up[1], low[0] + 0.5 * low[1]
-    open_twist = (
-        web_extra_f / t_front
-        - (total * h_r + web_extra_r) / t_rear
-        - w * sag_upper / t_upper
-        + w * (web_first - sag_lower) / t_lower
-    )
-    q = -open_twist / (h_f / t_front + h_r / t_rear + w / t_upper + w / t_lower)
-    force_f, force_r = q * h_f + web_extra_f, (total - q) * h_r + web_extra_r
-    mean_upper, mean_lower = q - sag_upper, q + web_first - sag_lower
-    scale = 1.0 / (force_f + force_r)
-    nose_up = 0.5 * shape.enclosed * (mean_upper + mean_lower) - force_r * w
-    lower_front = q + web_first
-    covers = jnp.stack(
-        [
-            jnp.stack([q - up[0], q - up[0] - up[1]]),
-            jnp.stack([lower_front - low[0], lower_front - low[0] - low[1]]),
-        ]
-    )
-    edge = jnp.stack([q, q - total])
-    rise = jnp.stack([0.5 * t_front * (0.5 * h_f - z_c) ** 2, -0.5 * t_rear * (0.5 * h_r - z_c) ** 2])
-    return ShearFlow(covers * scale, (edge + rise) * scale, edge * scale, -nose_up * scale)
+    moments, caps = section.sheet_moments, section.cap_moments
+    start = -(jnp.cumsum(moments + caps, axis=1) - moments)
+    end = start - moments
+    node = jnp.stack([shape.x - section.x_centroid, shape.z - section.z_centroid])
+    ahead = jnp.roll(node, -1, axis=1)
+    area = section.segment_area
+    # Flow lost on the way to half the segment, and on average over it.
+    middle = start - area * (3.0 * node + ahead) / 8.0 - section.stringer_moments
+    mean = start - area * (2.0 * node + ahead) / 6.0 - section.stringer_moments
+    give = shape.length / t[SEGMENT_PANEL]
+    closing = -jnp.sum(mean * give, axis=1, keepdims=True) / jnp.sum(give, axis=0)
+    step_x, step_z = _next(shape.x) - shape.x, _next(shape.z) - shape.z
+    xx, xz, zz = section.I_zz, section.I_xz, section.I_xx
+    mix = jnp.stack([jnp.stack([zz, -xz]), jnp.stack([-xz, xx])]) / (xx * zz - xz * xz)  # [force, gradient, n]
+
+    def combined(flow: Float[Array, "2 k n"]) -> Float[Array, "2 k n"]:
+        return jnp.einsum("fgn,gkn->fkn", mix, flow + closing)
+
+    whole = combined(mean)
+    nose_up = jnp.sum(whole * (shape.z * step_x - shape.x * step_z), axis=1)
+    aft, up = jnp.sum(whole[0] * step_x, axis=0), jnp.sum(whole[1] * step_z, axis=0)
+    return ShearFlow(combined(start), combined(middle), combined(end), -nose_up[1] / up, nose_up[0] / aft)

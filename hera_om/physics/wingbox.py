@@ -8,7 +8,8 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from hera_om.physics import buckling
-from hera_om.physics.box_section import BoxShape, box_members, box_shape
+from hera_om.physics.box_contour import BoxShape, box_shape
+from hera_om.physics.box_section import box_members
 from hera_om.physics.box_smooth import SHARPNESS, log_smooth_max, smooth_max
 from hera_om.physics.wingbox_criteria import box_state, panel_use, rib_thickness
 from hera_om.physics.wingbox_mass import box_mass
@@ -62,7 +63,11 @@ def box_model(
 ) -> BoxModel:
     """Everything that does not depend on the thicknesses; arguments as `size_box`."""
     shape = box_shape(
-        geometry.chord, geometry.thickness_ratio, front_spar=concept.front_spar, rear_spar=concept.rear_spar
+        geometry.chord,
+        geometry.thickness_ratio,
+        front_spar=concept.front_spar,
+        rear_spar=concept.rear_spar,
+        tables=geometry.tables,
     )
     members = box_members(
         shape,
@@ -71,14 +76,15 @@ def box_model(
         A_stringer_root=A_stringer_root,
         pitch=concept.stringer_pitch,
     )
-    axis = (geometry.axis_fraction - concept.front_spar) * geometry.chord
+    axis = geometry.axis_fraction * geometry.chord
     return BoxModel(shape, members, material, concept, loads, _critical(shape, material, concept), axis)
 
 
 def _log_use(log_t: Float[Array, "4 n"], model: BoxModel, sharpness: ScalarLike) -> Float[Array, "4 n"]:
     """Logarithm of the governing utilisation of every panel: zero where it is sized."""
     t = jnp.exp(log_t)
-    return log_smooth_max(jnp.concatenate(panel_use(model, box_state(model, t), t), axis=1), 1, sharpness)
+    used = [u.reshape(4, -1, t.shape[1]) for u in panel_use(model, box_state(model, t), t)]
+    return log_smooth_max(jnp.concatenate(used, axis=1), 1, sharpness)
 
 
 def _value_and_jacobian(
@@ -172,25 +178,29 @@ def evaluate_box(
         The result; see `BoxResult`.
     """
     state = box_state(model, t)
-    use = jnp.stack([smooth_max(u, 1, sharpness) for u in panel_use(model, state, t)], axis=1)
+    every = panel_use(model, state, t)
+    use = jnp.stack([smooth_max(u, (1, 2), sharpness) for u in every], axis=1)
+    by_case = jnp.max(jnp.stack([jnp.max(u, axis=1) for u in every[:-1]]), axis=0)
     ribs = rib_thickness(model, state, t, sharpness) if t_rib is None else t_rib
-    mass, cg = box_mass(model, points, t, ribs)
+    mass, cg, inertia = box_mass(model, points, t, ribs)
     return BoxResult(
         t_skin_upper=t[0],
         t_skin_lower=t[1],
         t_web_front=t[2],
         t_web_rear=t[3],
         t_rib=ribs,
-        stress_upper=state.cover_direct[0],
-        stress_lower=state.cover_direct[1],
+        stress=state.direct,
         use=use,
         active=jnp.argmax(use, axis=1),
+        sizing_case=jnp.argmax(by_case, axis=1),
         worst_excess=jnp.max(smooth_max(use, 1, sharpness), axis=0) - 1.0,
         **reserves(model, state, t, sharpness)._asdict(),
+        section=state.section,
         x_shear_centre=state.flow.x_shear_centre,
         mass=mass,
         m_primary=jnp.sum(jnp.stack(mass)),
         cg=cg,
+        inertia=inertia,
     )
 
 

@@ -3,9 +3,11 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from hera_om.physics import buckling
+from hera_om.physics.box_contour import COVER_POINTS, WEBS
 from hera_om.physics.box_section import Section, ShearFlow, section_properties, shear_flow
 from hera_om.physics.box_smooth import positive_part, smooth_below, smooth_max
 from hera_om.physics.wingbox_types import BoxModel
@@ -21,26 +23,39 @@ DIRECT_SHARE = 0.9
 SMOOTH_WIDTH = 1e-3
 
 
+# Points of a web between its ends, thirds of it; weights of start, middle, end for the parabola of the flow.
+_THIRDS = np.array([[1.0, 0.0, 0.0], [2.0 / 9.0, 8.0 / 9.0, -1.0 / 9.0], [-1.0 / 9.0, 8.0 / 9.0, 2.0 / 9.0], [0, 0, 1]])
+_ALONG = np.linspace(0.0, 1.0, 4)[:, None]
+
+
 class BoxState(NamedTuple):
-    """Stresses at given thickness, tension positive, Pa, with the section they come from."""
+    """Stresses at four points of each panel, tension positive, Pa, with the section they come from."""
 
     section: Section
     flow: ShearFlow
-    cover_direct: Float[Array, "2 case n"]
-    """Upper and lower extreme fibre."""
-    cover_shear: Float[Array, "2 2 case n"]
-    """Upper and lower cover at their front and rear end."""
-    web_direct: Float[Array, "2 case n"]
-    """Front and rear web, at the edge farther from the neutral axis; of either sign."""
-    web_shear: Float[Array, "2 2 case n"]
-    """Front and rear web: edge, peak."""
+    direct: Float[Array, "4 point case n"]
+    shear: Float[Array, "4 point case n"]
+
+
+def _panel_points(nodes: Float[Array, "k n"]) -> Float[Array, "4 4 n"]:
+    """Values at the points of the panels of what is linear along each segment."""
+    after = jnp.roll(nodes, -1, axis=0)
+    webs = [nodes[i] + _ALONG * (after[i] - nodes[i]) for i in WEBS]
+    return jnp.concatenate([nodes[COVER_POINTS], jnp.stack(webs)])
+
+
+def _panel_flows(flow: ShearFlow) -> Float[Array, "2 4 4 n"]:
+    """Flow per unit force at the points of the panels."""
+    covers = [jnp.concatenate([flow.start[:, p[:-1]], flow.end[:, p[-1:] - 1]], axis=1) for p in COVER_POINTS]
+    parabola = [jnp.stack([flow.start[:, i], flow.middle[:, i], flow.end[:, i]], axis=1) for i in WEBS]
+    return jnp.stack([*covers, *(jnp.einsum("ps,fsn->fpn", _THIRDS, v) for v in parabola)], axis=1)
 
 
 def box_state(model: BoxModel, t: Float[Array, "4 n"]) -> BoxState:
-    """Stresses of the box at thickness t: engineer's bending, shear flow, Bredt's torsion.
+    """Stresses of the box at thickness t: engineer's bending in two axes, shear flow, Bredt's torsion.
 
-    sigma = -M z / I; q = V q_unit + T_sc / (2 A), with the torque moved to the shear centre, T_sc = T + V
-    (x_sc - x_axis).
+    sigma = b x + c z with [I_zz I_xz; I_xz I_xx] [b, c] = [Mz, -M] (Megson, eq. 16.18); q = H q_aft + V q_up
+    + T_sc / (2 A), with the torque moved to the shear centre, T_sc = T + V (x_sc - x_axis) - H z_sc.
 
     Args:
         model: shape, members, loads.
@@ -52,20 +67,14 @@ def box_state(model: BoxModel, t: Float[Array, "4 n"]) -> BoxState:
     shape, loads = model.shape, model.loads
     section = section_properties(shape, model.members, t)
     flow = shear_flow(shape, section, t)
-    bend = loads.M / section.inertia
-    z_c = section.z_centroid
-    torque = loads.T + loads.V * (flow.x_shear_centre - model.axis_from_front)
-    bredt = torque / (2.0 * shape.enclosed)
-    web_arm = 0.5 * jnp.stack([shape.h_front, shape.h_rear]) + jnp.sqrt(jnp.square(z_c) + 1e-12)
-    web_flow = jnp.stack([flow.web_edge, flow.web_peak], axis=1)
-    return BoxState(
-        section,
-        flow,
-        jnp.stack([-bend * (shape.z_max - z_c), bend * (shape.z_max + z_c)]),
-        (flow.covers[:, :, None] * loads.V + bredt) / t[:2, None, None],
-        bend * web_arm[:, None],
-        (web_flow[:, :, None] * loads.V + bredt) / t[2:, None, None],
-    )
+    x, z = _panel_points(shape.x - section.x_centroid), _panel_points(shape.z - section.z_centroid)
+    whole = section.I_xx * section.I_zz - jnp.square(section.I_xz)
+    by_x = (section.I_xx * loads.Mz + section.I_xz * loads.M) / whole
+    by_z = -(section.I_zz * loads.M + section.I_xz * loads.Mz) / whole
+    torque = loads.T + loads.V * (flow.x_shear_centre - model.x_axis) - loads.H * flow.z_shear_centre
+    aft, up = _panel_flows(flow)
+    q = aft[:, :, None] * loads.H + up[:, :, None] * loads.V + torque / (2.0 * shape.enclosed)
+    return BoxState(section, flow, x[:, :, None] * by_x + z[:, :, None] * by_z, q / t[:, None, None])
 
 
 def _direct_share(stress: Float[Array, "..."], allowable: ScalarLike, reserve: ScalarLike) -> Float[Array, "..."]:
@@ -74,9 +83,7 @@ def _direct_share(stress: Float[Array, "..."], allowable: ScalarLike, reserve: S
     return smooth_below(share, DIRECT_SHARE / reserve, SMOOTH_WIDTH)
 
 
-def _von_mises_use(
-    direct: Float[Array, "4 a n"], shear: Float[Array, "4 a n"], model: BoxModel
-) -> Float[Array, "4 b n"]:
+def _von_mises_use(state: BoxState, model: BoxModel) -> Float[Array, "4 point case n"]:
     """Utilisation in von Mises stress, tension against F_tu and compression against F_cy, along axis 1.
 
     s^2 + 3 tau^2 = (F / RF)^2 is asked as sqrt(3) tau over the sqrt((F / RF)^2 - s^2) left to it: one at
@@ -84,41 +91,55 @@ def _von_mises_use(
     would not stand.
     """
     material, reserve = model.material, model.concept.reserve
-    pulled = _direct_share(direct, material.F_tu, reserve)
-    pressed = _direct_share(-direct, material.F_cy, reserve)
+    pulled = _direct_share(state.direct, material.F_tu, reserve)
+    pressed = _direct_share(-state.direct, material.F_cy, reserve)
     left = jnp.sqrt(1.0 - jnp.square(reserve * jnp.concatenate([pulled, pressed], axis=1)))
-    shares = jnp.concatenate([shear / material.F_tu, shear / material.F_cy], axis=1)
+    shares = jnp.concatenate([state.shear / material.F_tu, state.shear / material.F_cy], axis=1)
     return reserve * buckling.von_mises(0.0, 0.0, shares) / left
 
 
-def cover_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 2 case n"]:
+def cover_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 point case n"]:
     """Utilisation of the skin panels between stringers and ribs in compression with shear: R_c + R_s^2 = 1.
 
-    The panel is flat, simply supported, stringer pitch wide and rib pitch long, at the stress of the
-    extreme fibre; both ends of a cover are looked at.
+    The panel is flat, simply supported, stringer pitch wide and rib pitch long, at the stress of each point of
+    the cover. It does not buckle below the required reserve, so the whole sheet stays effective.
 
     Returns:
-        Utilisation by cover, end, case, station.
+        Utilisation by cover, point, case, station.
     """
     f_cy, square = model.material.F_cy, jnp.square(t[:2, None, None])
-    pressed = f_cy * positive_part(-state.cover_direct[:, None] / f_cy, SMOOTH_WIDTH)
+    pressed = f_cy * positive_part(-state.direct[:2] / f_cy, SMOOTH_WIDTH)
     r_c = pressed / (model.critical.cover_compression * square)
-    r_s = state.cover_shear / (model.critical.cover_shear * square)
+    r_s = state.shear[:2] / (model.critical.cover_shear * square)
     return model.concept.reserve * buckling.use_compression_shear(r_c, r_s)
 
 
-def web_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 case n"]:
-    """Utilisation of the webs, unstiffened between ribs, in shear and in-plane bending: R_b^2 + R_s^2 = 1."""
-    square = jnp.square(t[2:, None])
-    r_b = state.web_direct / (model.critical.web_bending * square)
-    r_s = state.web_shear[:, 1] / (model.critical.web_shear * square)
+def web_buckling_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 point case n"]:
+    """Utilisation of the webs, unstiffened between ribs, in shear and in-plane bending: R_b^2 + R_s^2 = 1.
+
+    The bending stress is that of either edge, of either sign: what of it is not bending is small, and compression
+    of the whole web would be the tip's bending aft.
+    """
+    square = jnp.square(t[2:, None, None])
+    edges = jnp.concatenate([state.direct[2:, :1], state.direct[2:, -1:]], axis=1)
+    r_b = edges / (model.critical.web_bending[:, None] * square)
+    r_s = state.shear[2:, 1:3] / (model.critical.web_shear[:, None] * square)
     return model.concept.reserve * buckling.use_bending_shear(r_b, r_s)
 
 
-def panel_use(
-    model: BoxModel, state: BoxState, t: Float[Array, "4 n"]
-) -> tuple[Float[Array, "4 a n"], Float[Array, "4 b n"], Float[Array, "4 1 n"]]:
-    """Utilisation of every panel by criterion, all cases and places side by side.
+def cover_crushing_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 point case n"]:
+    """Utilisation of the skins by Brazier's pressure between the stringers: chordwise bending against yield.
+
+    A long strip clamped at two stringers, s_b = p b^2 / (2 t^2) (Timoshenko & Woinowsky-Krieger, Theory of Plates
+    and Shells, art. 1-3). p grows with the square of the load, so the factor on the load is sqrt(F_cy / s_b).
+    """
+    pressure = crushing_pressure(model, state, t)
+    bending = 0.5 * pressure * jnp.square(model.concept.stringer_pitch / t[:2, None, None])
+    return model.concept.reserve * jnp.sqrt(bending / model.material.F_cy + 1e-12)
+
+
+def panel_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> tuple[Float[Array, "4 _ _ n"], ...]:
+    """Utilisation of every panel by criterion, place and case.
 
     Args:
         model: the box and its loads.
@@ -126,41 +147,36 @@ def panel_use(
         t: thickness, m [4, n].
 
     Returns:
-        Required reserve factor over reserve factor in von Mises stress, in buckling, and t_min / t.
+        Required reserve factor over reserve factor by each of ``CRITERIA``; gauge has one place and no case.
     """
-    n = t.shape[1]
-    # The edge of a web has the bending stress, its middle the largest shear flow.
-    web_direct = jnp.stack([state.web_direct, jnp.zeros_like(state.web_direct)], axis=1)
-    cover_direct = jnp.broadcast_to(state.cover_direct[:, None], state.cover_shear.shape)
-    direct = jnp.concatenate([cover_direct, web_direct]).reshape(4, -1, n)
-    shear = jnp.concatenate([state.cover_shear, state.web_shear]).reshape(4, -1, n)
-    webs = web_buckling_use(model, state, t)
-    skins = cover_buckling_use(model, state, t).reshape(2, -1, n)
-    unstable = jnp.concatenate([skins, jnp.concatenate([webs, jnp.zeros_like(webs)], axis=1)])
-    return _von_mises_use(direct, shear, model), unstable, (model.concept.t_min / t)[:, None]
+    webs = jnp.concatenate([web_buckling_use(model, state, t)] * 2, axis=1)
+    unstable = jnp.concatenate([cover_buckling_use(model, state, t), webs.at[:, 2:].set(0.0)])
+    crushed = cover_crushing_use(model, state, t)
+    gauge = (model.concept.t_min / t)[:, None, None]
+    return _von_mises_use(state, model), unstable, jnp.concatenate([crushed, 0.0 * crushed]), gauge
 
 
-def crushing_load(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 case n"]:
-    """Load per chord on a rib by Brazier's pressure of either cover, N/m: pressure times rib pitch."""
-    shape, members = model.shape, model.members
-    smeared = t[:2] + members.n_stringer * members.A_stringer / shape.width
-    pressure = buckling.brazier_pressure(state.cover_direct, smeared[:, None], shape.h_mean, modulus=model.material.E)
-    return pressure * model.concept.rib_pitch
+def crushing_pressure(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 point case n"]:
+    """Brazier's pressure of either cover at LIMIT load, Pa."""
+    members = model.members
+    smeared = t[:2] + members.n_stringer * members.A_stringer / model.shape.arc
+    height = model.shape.h_mean
+    return buckling.brazier_pressure(state.direct[:2], smeared[:, None, None], height, modulus=model.material.E)
 
 
 def rib_thickness(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike) -> Float[Array, "n"]:
     """Lightest rib: minimum gauge, crushing as a plate between covers and spars, crushing yield; closed form.
 
-    Plate: reserve N / t = k pi^2 E / (12 (1 - nu^2)) (t / w)^2, so t is a cube root; simply supported, no
-    stiffeners. The reserve factor is on the crushing STRESS, as everywhere (the load that crushes grows
-    with the square of M).
+    N = pressure times rib pitch. Plate: r^2 N / t = k pi^2 E / (12 (1 - nu^2)) (t / w)^2, so t is a cube root;
+    simply supported, no stiffeners. The reserve r is on the load that bends the wing; what crushes grows with
+    its square.
 
     Returns:
         Thickness of one rib at n stations, m; above the true maximum by at most 0.7 %.
     """
     concept = model.concept
-    load = concept.reserve * crushing_load(model, state, t)
+    load = jnp.square(concept.reserve) * crushing_pressure(model, state, t) * concept.rib_pitch
     # Powers of the load: the derivative stays finite where it vanishes at the tip.
-    plate = smooth_max(load / model.critical.rib / concept.t_min**3, (0, 1), sharpness / 3.0) ** (1.0 / 3.0)
-    yielding = smooth_max(load / model.material.F_cy / concept.t_min, (0, 1), sharpness)
+    plate = smooth_max(load / model.critical.rib / concept.t_min**3, (0, 1, 2), sharpness / 3.0) ** (1.0 / 3.0)
+    yielding = smooth_max(load / model.material.F_cy / concept.t_min, (0, 1, 2), sharpness)
     return concept.t_min * smooth_max(jnp.stack([plate, yielding, jnp.ones_like(plate)]), 0, sharpness)

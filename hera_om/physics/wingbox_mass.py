@@ -1,18 +1,16 @@
-"""Mass and centre of the primary structure, and the last step to thicknesses that can be bought."""
+"""Mass, centre and inertia of the primary structure."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from hera_om.physics.wingbox_types import BoxMass, BoxModel
 
-ScalarLike = Float[Array, ""] | float | int
-
 
 def _per_length(model: BoxModel, t: Float[Array, "4 n"], t_rib: Float[Array, "n"]) -> Float[Array, "5 n"]:
     """Mass per length of one half wing, kg/m: skins, webs, caps, stringers, ribs."""
     shape, members = model.shape, model.members
     areas = [
-        shape.width * (t[0] + t[1]),
+        shape.arc[0] * t[0] + shape.arc[1] * t[1],
         shape.h_front * t[2] + shape.h_rear * t[3],
         4.0 * members.A_cap,
         2.0 * members.n_stringer * members.A_stringer,
@@ -23,8 +21,8 @@ def _per_length(model: BoxModel, t: Float[Array, "4 n"], t_rib: Float[Array, "n"
 
 def box_mass(
     model: BoxModel, points: Float[Array, "n 3"], t: Float[Array, "4 n"], t_rib: Float[Array, "n"]
-) -> tuple[BoxMass, Float[Array, "3"]]:
-    """Mass of both half wings by part, and the centre of one half.
+) -> tuple[BoxMass, Float[Array, "3"], Float[Array, "3"]]:
+    """Mass of both half wings by part, the centre of one half, the inertia of both.
 
     m = 2 int rho A ds by the trapezoidal rule along the box; ribs are smeared over their pitch. The centre
     section goes on from the first station to the plane of symmetry, with the section of the first station.
@@ -36,7 +34,8 @@ def box_mass(
         t_rib: thickness of the ribs, m [n].
 
     Returns:
-        Mass parts, kg, and the centre of one half including its share of the centre section, m.
+        Mass parts, kg, the centre of one half including its share of the centre section, m, and the moments of
+        inertia of both about x, y, z through their common centre, kg m2, of masses that stand at the points.
     """
     per_length = _per_length(model, t, t_rib)
     step = jnp.sqrt(jnp.sum(jnp.square(jnp.diff(points, axis=0)), axis=1))
@@ -44,28 +43,10 @@ def box_mass(
     half = per_length @ lengths
     inboard = points[0, 1]
     centre = jnp.sum(per_length[:, 0]) * inboard
-    moment = jnp.sum(per_length, axis=0) * lengths @ points + centre * points[0] * jnp.array([1.0, 0.5, 1.0])
+    masses = jnp.append(jnp.sum(per_length, axis=0) * lengths, centre)
+    places = jnp.concatenate([points, points[:1] * jnp.array([1.0, 0.5, 1.0])])
+    cg = masses @ places / jnp.sum(masses)
+    square = masses @ jnp.square(places - cg * jnp.array([1.0, 0.0, 1.0])) + centre * jnp.array([0, inboard**2 / 12, 0])
+    inertia = 2.0 * (jnp.sum(square) - square)
     skins, webs, caps, stringers, ribs = 2.0 * half
-    return BoxMass(skins, webs, caps, stringers, ribs, 2.0 * centre), moment / (jnp.sum(half) + centre)
-
-
-def round_up_to_increment(
-    t: Float[Array, "p n"], *, increment: ScalarLike, max_step: ScalarLike = jnp.inf
-) -> Float[Array, "p n"]:
-    """Thicknesses that can be bought: whole increments, and no more than ``max_step`` between neighbours.
-
-    Only ever adds thickness. Not to be differentiated: a last step for reports and gradient-free drivers.
-
-    Args:
-        t: continuous thickness, m.
-        increment: step of the sheets, m.
-        max_step: largest difference of neighbouring stations, m, a whole number of increments.
-
-    Returns:
-        Rounded thickness, m.
-    """
-    rounded = increment * jnp.ceil(t / increment - 1e-9)
-    station = jnp.arange(t.shape[1])
-    apart = jnp.abs(station[:, None] - station[None, :])
-    allowance = jnp.where(apart == 0, 0.0, max_step * jnp.maximum(apart, 1))
-    return jnp.max(rounded[:, None, :] - allowance, axis=2)
+    return BoxMass(skins, webs, caps, stringers, ribs, 2.0 * centre), cg, inertia

@@ -50,7 +50,7 @@ def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness
 
     Tension against F_tu. Compression: caps against F_cy, stringers against the smaller of F_cy and the
     column stress (which starts from crippling). Both carry the stress of the skin that they are fastened
-    to, the extreme fibre, so that F_cy / stress bounds both.
+    to, so that F_cy / stress bounds both.
 
     Args:
         model: the box and its loads.
@@ -59,20 +59,20 @@ def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness
         sharpness: exponent of the smooth extremes.
 
     Returns:
-        Reserve factors over the span and their smooth minima: below the true minimum by at most (2 case
+        Reserve factors over the span and their smooth minima: below the true minimum by at most (8 case
         n)^(1/sharpness).
     """
     material = model.material
-    pulled = positive_part(state.cover_direct / material.F_tu, SMOOTH_WIDTH)
-    pressed = positive_part(-state.cover_direct / material.F_cy, SMOOTH_WIDTH)
-    column = column_stress(model, t[:2])[:, None] / material.F_cy
-    use_tension = smooth_max(pulled, (0, 1), sharpness)
-    use_compression = smooth_max(jnp.stack([pressed, pressed / column]), (0, 1, 2), sharpness)
+    pulled = positive_part(state.direct[:2] / material.F_tu, SMOOTH_WIDTH)
+    pressed = positive_part(-state.direct[:2] / material.F_cy, SMOOTH_WIDTH)
+    column = column_stress(model, t[:2])[:, None, None] / material.F_cy
+    use_tension = smooth_max(pulled, (0, 1, 2), sharpness)
+    use_compression = smooth_max(jnp.stack([pressed, pressed / column]), (0, 1, 2, 3), sharpness)
     yielding = jnp.stack([pulled * material.F_tu / material.F_ty, pressed])
     return Reserves(
         1.0 / use_tension,
         1.0 / use_compression,
         1.0 / smooth_max(use_tension, 0, sharpness),
         1.0 / smooth_max(use_compression, 0, sharpness),
-        1.0 / smooth_max(yielding, (0, 1, 2, 3), sharpness),
+        1.0 / smooth_max(yielding, (0, 1, 2, 3, 4), sharpness),
     )

@@ -5,12 +5,13 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from hera_om.physics.box_section import BoxMembers, BoxShape
+from hera_om.physics.box_contour import BoxShape
+from hera_om.physics.box_section import BoxMembers, Section
 
 ScalarLike = Float[Array, ""] | float | int
 
 PANELS = ("upper skin", "lower skin", "front web", "rear web")
-CRITERIA = ("von Mises", "buckling", "minimum gauge")
+CRITERIA = ("von Mises", "buckling", "crushing", "minimum gauge")
 
 
 class Material(NamedTuple):
@@ -41,22 +42,28 @@ class BoxConcept(NamedTuple):
 class BoxGeometry(NamedTuple):
     """Wing at n stations from the fuselage joint to the tip.
 
-    ``axis_fraction`` is the chord fraction of the axis about which the torque is given; 0.35 is near the
-    shear centre of a sized box between 0.15 and 0.62 (0.349 to 0.363).
+    ``axis_fraction`` is the chord fraction of the axis about which the torque is given, on the chord line; 0.35 is
+    near the shear centre of a box between 0.15 and 0.62. ``tables`` are the contours, `core.contours.contour_table`
+    of each station; absent: the symmetric NACA form.
     """
 
     leading_edge: Float[Array, "n 3"]
     chord: Float[Array, "n"]
     thickness_ratio: Float[Array, "n"]
     axis_fraction: ScalarLike = 0.35
+    tables: Float[Array, "n 4 p"] | None = None
 
 
 class BoxLoads(NamedTuple):
-    """LIMIT section loads by case: shear up N, bending tip-up N m, torque nose-up N m about the axis."""
+    """LIMIT section loads by case: shear up, bending tip-up, torque nose-up about the axis; force aft, bending
+    tip-forward; N and N m.
+    """
 
     V: Float[Array, "case n"]
     M: Float[Array, "case n"]
     T: Float[Array, "case n"]
+    H: Float[Array, "case n"]
+    Mz: Float[Array, "case n"]
 
 
 class CriticalStress(NamedTuple):
@@ -78,7 +85,8 @@ class BoxModel(NamedTuple):
     concept: BoxConcept
     loads: BoxLoads
     critical: CriticalStress
-    axis_from_front: Float[Array, "n"]
+    x_axis: Float[Array, "n"]
+    """Axis of the torque aft of the leading edge, m."""
 
 
 class BoxMass(NamedTuple):
@@ -111,13 +119,14 @@ class BoxResult(NamedTuple):
     t_web_front: Float[Array, "n"]
     t_web_rear: Float[Array, "n"]
     t_rib: Float[Array, "n"]
-    stress_upper: Float[Array, "case n"]
-    """Direct stress of the upper extreme fibre, tension positive."""
-    stress_lower: Float[Array, "case n"]
-    use: Float[Array, "4 3 n"]
+    stress: Float[Array, "4 point case n"]
+    """Direct stress of the panels, front to rear and bottom to top, tension positive."""
+    use: Float[Array, "4 4 n"]
     """Utilisation by panel and criterion, required reserve over reserve; 1 where it sizes."""
     active: Int[Array, "4 n"]
     """Which of ``CRITERIA`` sizes each of ``PANELS``; not differentiated."""
+    sizing_case: Int[Array, "4 n"]
+    """Which load case asks most of each panel, minimum gauge apart; not differentiated."""
     worst_excess: Float[Array, "n"]
     """Largest utilisation less one: above 1e-6 no allowed thickness carries the load."""
     RFT_span: Float[Array, "n"]
@@ -125,11 +134,15 @@ class BoxResult(NamedTuple):
     RFT: Float[Array, ""]
     RFC: Float[Array, ""]
     RF_yield: Float[Array, ""]
+    section: Section
     x_shear_centre: Float[Array, "n"]
+    """Aft of the leading edge, m."""
     mass: BoxMass
     m_primary: Float[Array, ""]
     cg: Float[Array, "3"]
     """Centre of the primary structure of one half wing, geometry axes, m."""
+    inertia: Float[Array, "3"]
+    """Moments of inertia of both half wings about x, y, z through their common centre, kg m2."""
 
 
 def elastic_axis(geometry: BoxGeometry) -> Float[Array, "n 3"]:

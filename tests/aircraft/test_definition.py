@@ -39,7 +39,7 @@ def source():
 
 
 def test_shipped_names():
-    assert shipped() == ("hera_like", "rotor_alone", "wing_alone", "wing_rotor", "wing_tail")
+    assert shipped() == ("atr72", "hera_like", "q400", "rotor_alone", "wing_alone", "wing_rotor", "wing_tail")
 
 
 @pytest.mark.parametrize("name", shipped())

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 
@@ -131,6 +132,20 @@ def _first_column(old):
         return jnp.zeros_like(old(knots, cells, x)).at[..., 0].set(1.0)
 
     return weights
+
+
+def _half_factors(old):
+    def matrix(weights, *, limit_factor, **rest):
+        return old(weights, limit_factor=0.5 * limit_factor, **rest)
+
+    return matrix
+
+
+def _without_rear_spar(old):
+    def properties(shape, other, t):
+        return old(shape, other, t.at[3].multiply(1e-6))
+
+    return properties
 
 
 def _nothing(old):
@@ -391,6 +406,57 @@ MUTATIONS = {
         _nothing,
         PHYSICS + "test_wingbox.py::test_torsion_alone_sizes_as_shear_buckling_by_hand",
         True,
+    ),
+    "web_buckling_off": Mutation(
+        "buckling of the webs",
+        ("wingbox_criteria:web_buckling_use",),
+        _nothing,
+        PHYSICS + "test_wingbox.py::test_torsion_alone_sizes_as_shear_buckling_by_hand",
+        True,
+    ),
+    "brazier_off": Mutation(
+        "crushing of ribs by the curvature of the bent box",
+        ("buckling:brazier_pressure",),
+        lambda stress, *args, **rest: 0.0 * stress,
+        PHYSICS + "test_wingbox.py::test_ribs_carry_the_crushing_load_by_hand",
+    ),
+    "brazier_off_in_skins": Mutation(
+        "crushing of skins by the curvature of the bent box",
+        ("buckling:brazier_pressure",),
+        lambda stress, *args, **rest: 0.0 * stress,
+        PHYSICS + "test_wingbox.py::test_thin_skins_between_wide_stringers_are_sized_by_crushing",
+    ),
+    "rear_spar_removed": Mutation(
+        "one of two spars",
+        ("box_section:section_properties", "box_section:shear_flow"),
+        _without_rear_spar,
+        PHYSICS + "test_box_section.py::test_sections_against_finite_elements[root_43018]",
+        True,
+    ),
+    "relief_off_in_the_mass": Mutation(
+        "inertia relief, in the mass of the wing",
+        ("beam_loads:inertia_forces",),
+        _no_inertia,
+        "tests/components/test_wingbox_component.py::test_shear_and_bending_at_the_joint_by_hand",
+    ),
+    "load_factor_halved_in_the_cases": Mutation(
+        "load factor of the table of cases",
+        ("load_cases:case_matrix",),
+        _half_factors,
+        PHYSICS + "test_load_cases.py::test_the_table_of_cases",
+        True,
+    ),
+    "steady_gust": Mutation(
+        "growth of lift in a gust",
+        ("gust:KUESSNER",),
+        np.array([[0.0, 0.13], [0.0, 1.0]]),
+        PHYSICS + "test_load_cases.py::test_alleviation_is_pratts_at_his_gradient[20.0]",
+    ),
+    "gyroscopes_off": Mutation(
+        "gyroscopic moment of rotors",
+        ("load_cases:gyroscopic_moment",),
+        lambda inertia, spin, rate: 0.0 * spin,
+        PHYSICS + "test_load_cases.py::test_landing_and_gyroscopes_by_hand",
     ),
 }
 

@@ -8,12 +8,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from hera_om.core.contours import contour_table
 from hera_om.physics import beam_loads, buckling, wingbox_criteria
 from hera_om.physics.beam_loads import case_loads, point_load, point_mass, spread_mass, strip_load
-from hera_om.physics.box_section import box_shape
+from hera_om.physics.box_contour import box_shape
 from hera_om.physics.wingbox import box_model, evaluate_box, size_box, solve_thickness
+from hera_om.physics.wingbox_bought import bought_box, round_up_to_increment
 from hera_om.physics.wingbox_criteria import box_state, panel_use
-from hera_om.physics.wingbox_mass import round_up_to_increment
 from hera_om.physics.wingbox_types import (
     CRITERIA,
     PANELS,
@@ -152,7 +153,7 @@ def test_sizing_converges_for_random_loads_and_areas(wing, material, dry):
     random = np.random.default_rng(0)
     for _ in range(60):
         v, m, t = random.uniform(0.3, 1.8, 3)
-        loads = BoxLoads(dry.V * v, dry.M * m, dry.T * 3 * t)
+        loads = dry._replace(V=dry.V * v, M=dry.M * m, T=dry.T * 3 * t)
         areas = {"cap": random.uniform(1e-3, 5e-3), "stringer": random.uniform(1e-4, 6e-4)}
         assert float(jnp.max(jnp.abs(sized(wing, material, loads, **areas).worst_excess))) < 1e-7, (
             v,
@@ -177,12 +178,12 @@ def test_reserve_factors_cross_the_requirement_inside_the_box(wing, material, dr
 
 def test_reserves_are_allowable_over_limit_stress(wing, material, dry):
     result = sized(wing, material, dry)
-    tension = material.F_tu / np.max(np.asarray(result.stress_lower), axis=0)
+    tension = material.F_tu / np.max(np.asarray(result.stress), axis=(0, 1, 2))
     np.testing.assert_allclose(result.RFT_span[:-2], tension[:-2], rtol=1e-3)
     assert float(result.RFT) == pytest.approx(tension.min(), rel=1e-2)
     assert float(result.RFT) <= tension.min()
     # Compression is bounded by yield, and the slender stringer is below it.
-    yielding = material.F_cy / np.max(-np.asarray(result.stress_upper), axis=0)
+    yielding = material.F_cy / np.max(-np.asarray(result.stress), axis=(0, 1, 2))
     assert np.all(np.asarray(result.RFC_span)[:-2] < yielding[:-2])
     assert float(result.RF_yield) == pytest.approx(min(yielding.min(), tension.min() * 476 / 538), rel=1e-2)
 
@@ -190,15 +191,15 @@ def test_reserves_are_allowable_over_limit_stress(wing, material, dry):
 def test_torsion_alone_sizes_as_shear_buckling_by_hand(wing, material):
     """t = (1.5 q b^2 / (k C))^(1/3), q = T / (2 A): no bending, no shear."""
     torque, none = jnp.full((1, N), 1.0e5), jnp.zeros((1, N))
-    result = sized(wing, material, BoxLoads(none, none, torque))
+    result = sized(wing, material, BoxLoads(none, none, torque, none, none))
     shape = box_shape(wing.chord, wing.thickness_ratio, front_spar=0.15, rear_spar=0.62)
     q = 1.0e5 / (2 * np.asarray(shape.enclosed))
     plate = np.pi**2 * material.E / (12 * (1 - material.nu**2))
     skin = np.cbrt(1.5 * q * 0.15**2 / ((5.34 + 4 / 16) * plate))
     height = np.asarray(shape.h_front)
     web = np.cbrt(1.5 * q * height**2 / ((5.34 + 4 * (height / 0.6) ** 2) * plate))
-    np.testing.assert_allclose(result.t_skin_upper, skin, rtol=3e-3)  # two equal ends: 2^(1/200)
-    np.testing.assert_allclose(result.t_skin_lower, skin, rtol=3e-3)
+    np.testing.assert_allclose(result.t_skin_upper, skin, rtol=4e-3)  # four equal points: 4^(1/200), its cube root
+    np.testing.assert_allclose(result.t_skin_lower, skin, rtol=4e-3)
     np.testing.assert_allclose(result.t_web_front, web, rtol=3e-3)
     assert [CRITERIA[i] for i in np.unique(result.active)] == ["buckling"]
 
@@ -207,51 +208,116 @@ def test_ribs_carry_the_crushing_load_by_hand(wing, material, dry):
     result = sized(wing, material, dry)
     shape = box_shape(wing.chord, wing.thickness_ratio, front_spar=0.15, rear_spar=0.62)
     width, height = float(shape.width[0]), float(shape.h_mean[0])
-    covers = (result.stress_upper, result.t_skin_upper), (result.stress_lower, result.t_skin_lower)
-    stringers = (width / 0.15 - 1) * A_STRINGER / width
-    crushing = max(float(stress[0, 0]) ** 2 * (float(t[0]) + stringers) for stress, t in covers)
+    stringers = (width / 0.15 - 1) * A_STRINGER / float(shape.arc[0, 0])
+    sheets = float(result.t_skin_upper[0]), float(result.t_skin_lower[0])
+    stress = np.max(np.abs(np.asarray(result.stress)[:2, :, 0, 0]), axis=1)
+    crushing = max(s**2 * (t + stringers) for s, t in zip(stress, sheets, strict=True))
     load = 2 * crushing / (material.E * height) * 0.60
     k = (height / width + width / height) ** 2
     plate = k * np.pi**2 * material.E / (12 * (1 - material.nu**2)) / width**2
-    assert float(result.t_rib[0]) == pytest.approx(np.cbrt(1.5 * load / plate), rel=5e-3)
+    # The factor 1.5 on the load is its square on what crushes.
+    assert float(result.t_rib[0]) == pytest.approx(np.cbrt(1.5**2 * load / plate), rel=5e-3)
     assert float(result.t_rib[0]) > 2 * CONCEPT.t_min
+
+
+def test_thin_skins_between_wide_stringers_are_sized_by_crushing(wing, material, dry):
+    """s_b = p b^2 / (2 t^2) = F_cy / 1.5^2, p = 2 s^2 t_e / (E h): by hand from the stress found."""
+    bent = BoxLoads(*(dry.M if name == "M" else 0.0 * dry.M for name in BoxLoads._fields))
+    result = sized(wing, material._replace(F_cy=100e6), bent, concept=CONCEPT._replace(t_min=1e-4))
+    shape = box_shape(wing.chord, wing.thickness_ratio, front_spar=0.15, rear_spar=0.62)
+    crushed = np.asarray(result.active[1]) == CRITERIA.index("crushing")
+    assert np.sum(crushed) > 1
+    stringers = (shape.width / 0.15 - 1) * A_STRINGER * (shape.h_mean * wing.chord) / (shape.h_mean * wing.chord)[0]
+    t = np.asarray(result.t_skin_lower)
+    stress = np.max(np.abs(np.asarray(result.stress)[1]), axis=(0, 1))
+    pressure = 2 * stress**2 * (t + stringers / shape.arc[1]) / (material.E * shape.h_mean)
+    found = np.asarray(1.5**2 * pressure * (0.15 / t) ** 2 / 2 / 100e6)
+    np.testing.assert_allclose(found[crushed], 1.0, atol=0.03)  # squares of utilisations that share at ties
 
 
 def _worst(model, t):
     """True maximum utilisation of every panel, no smoothing."""
-    return jnp.max(jnp.concatenate(panel_use(model, box_state(model, t), t), axis=1), axis=(0, 1))
+    return jnp.max(jnp.stack([jnp.max(u, axis=(0, 1, 2)) for u in panel_use(model, box_state(model, t), t)]), axis=0)
 
 
-@pytest.mark.parametrize("station", [0, 3, 6])
-def test_brute_force_finds_nothing_lighter(wing, material, dry, station):
-    model = box_model(wing, material, CONCEPT, loads=dry, A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
-    best = solve_thickness(model)[:, station]
-    offsets = jnp.linspace(-0.08, 0.08, 17)
-    trials = best[:, None] * (1 + jnp.stack(jnp.meshgrid(*[offsets] * 4)).reshape(4, -1))
-    count = trials.shape[1]
+def random_bays(material, count=10):
+    """Boxes of random airfoil, size and loads in three cases, one a station."""
+    random = np.random.default_rng(5)
+    chord, ratio = jnp.asarray(random.uniform(1.5, 3.5, count)), jnp.asarray(random.uniform(0.11, 0.20, count))
+    names = random.choice(["NACA 43018", "NACA 2412", "NACA 4415", "NACA 23013"], count)
+    tables = jnp.asarray(np.stack([contour_table(name) for name in names]))
+    edge = jnp.stack([0.0 * chord, jnp.arange(count) * 1.0, 0.0 * chord], axis=1)
+    size = np.asarray(chord**2 * ratio)
+    cases = {"V": 1.2e5, "M": 5.0e5, "T": 3.0e4, "H": 1.0e4, "Mz": 5.0e4}
+    sign = np.array([[1.0], [0.9], [-0.5]])
+    loads = {k: jnp.asarray(v * sign * np.exp(random.uniform(-4.0, 1.8, (3, count))) * size) for k, v in cases.items()}
+    geometry = BoxGeometry(edge, chord, ratio, tables=tables)
+    return box_model(geometry, material, CONCEPT, loads=BoxLoads(**loads), A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
 
-    def repeat(leaf):
-        leaf = jnp.asarray(leaf)
-        several = leaf.ndim and leaf.shape[-1] == N
-        return jnp.repeat(leaf[..., station : station + 1], count, axis=-1) if several else leaf
 
-    many = jax.tree.map(repeat, model)
-    shape = many.shape
-    area = shape.width * (trials[0] + trials[1]) + shape.h_front * trials[2] + shape.h_rear * trials[3]
-    worst = np.asarray(jax.jit(_worst)(many, trials))
-    ours = count // 2
-    assert worst[ours] <= 1 + 1e-9
-    lightest = float(jnp.min(jnp.where(worst <= 1.0, area, jnp.inf)))
-    assert lightest > (1 - 0.002) * float(area[ours])
-    # The search does see lighter trials; they are infeasible.
-    assert float(jnp.min(area)) < 0.95 * float(area[ours])
+def test_brute_force_finds_nothing_lighter_in_ten_random_bays(material):
+    """All thicknesses within 5 % on a grid and by chance, no smoothing: nothing feasible is lighter by 0.1 %."""
+    count, model = 10, random_bays(material)
+    best = solve_thickness(model)
+    sides = np.stack(np.meshgrid(*[np.linspace(-0.05, 0.05, 9)] * 4)).reshape(4, -1)
+    near = np.random.default_rng(6).uniform(-0.01, 0.01, (4, 6000))
+    offsets = jnp.asarray(np.concatenate([np.zeros((4, 1)), sides, near], axis=1))
+    trials = offsets.shape[1]
+
+    @jax.jit
+    def search(station):
+        def repeat(leaf):
+            leaf = jnp.asarray(leaf)
+            several = leaf.ndim and leaf.shape[-1] == count
+            return jnp.repeat(leaf[..., station][..., None], trials, axis=-1) if several else leaf
+
+        many = jax.tree.map(repeat, model)
+        t = best[:, station][:, None] * (1 + offsets)
+        shape = many.shape
+        return _worst(many, t), shape.arc[0] * t[0] + shape.arc[1] * t[1] + shape.h_front * t[2] + shape.h_rear * t[3]
+
+    governing = set()
+    for station in range(count):
+        worst, area = search(station)
+        assert float(worst[0]) <= 1 + 1e-9
+        lightest = float(jnp.min(jnp.where(worst <= 1.0, area, jnp.inf)))
+        assert lightest > (1 - 0.001) * float(area[0]), station
+        assert float(jnp.min(area)) < 0.96 * float(area[0])  # the search does see lighter ones
+        used = [jnp.max(u, axis=(1, 2))[:, station] for u in panel_use(model, box_state(model, best), best)]
+        governing |= set(np.argmax(np.stack(used), axis=0).tolist())
+    assert {CRITERIA[i] for i in governing} >= {"von Mises", "buckling"}
+
+
+def test_partials_at_the_edge_between_two_criteria(wing, material, dry):
+    """Minimum gauge put where buckling sizes the lower skin just as thick: both share, and derivatives stay exact."""
+    free = sized(wing, material, dry)
+    edge = float(free.t_skin_lower[4])
+
+    def run(p):
+        found = _sized(
+            wing, material, CONCEPT._replace(t_min=edge * p[0]), dry._replace(T=dry.T * p[1]), A_CAP, A_STRINGER, 200.0
+        )
+        return jnp.concatenate([found.t_skin_lower * 500.0, found.m_primary[None] / 1e3])
+
+    point = np.ones(2)
+    both = np.asarray(sized(wing, material, dry, concept=CONCEPT._replace(t_min=edge)).use)[1, :, 4]
+    assert np.sum(both > 0.99) == 2  # two criteria are active
+    exact, h = np.asarray(jax.jacfwd(run)(point)), 1e-4
+
+    def central(step):
+        return np.stack(
+            [(np.asarray(run(point + step * e)) - run(point - step * e)) / (2 * step) for e in np.eye(2)], -1
+        )
+
+    np.testing.assert_allclose(exact, (4 * central(h / 2) - central(h)) / 3, atol=1e-6 * np.max(np.abs(exact)))
+    assert np.all(np.abs(exact[4]) > 0.01)  # each of the two moves the sheet
 
 
 def scaled(p, wing, material, loads):
     """Outputs of order one of a box whose twelve inputs are scaled by p."""
     geometry = BoxGeometry(wing.leading_edge, wing.chord * p[0], wing.thickness_ratio * p[1], 0.38 * p[2])
     concept = BoxConcept(0.15 * p[3], 0.62 * p[4], 0.6 * p[5], 0.15 * p[6], 0.0012 * p[7])
-    cases = BoxLoads(loads.V * p[8], loads.M * p[9], loads.T)
+    cases = loads._replace(V=loads.V * p[8], M=loads.M * p[9])
     result = size_box(
         geometry, material, concept, loads=cases, A_cap_root=A_CAP * p[10], A_stringer_root=A_STRINGER * p[11]
     )
@@ -307,45 +373,62 @@ def test_relief_load_factor_and_engine_position(wing, material, full, monkeypatc
 
 
 def test_smoothing_costs_less_than_a_kilogram(wing, material, dry):
+    """0.1 kg of 2 t: the p-norm of exponent 200 against that of 5000."""
     smooth, sharp = (sized(wing, material, dry, sharpness=p) for p in (200.0, 5000.0))
     error = float(smooth.m_primary - sharp.m_primary)
-    assert 0.0 < error < 1.0
+    assert 0.0 < error < 0.3
     assert float(smooth.RFC) == pytest.approx(float(sharp.RFC), rel=5e-3)
     assert float(smooth.RFT) == pytest.approx(float(sharp.RFT), rel=5e-3)
 
 
 def test_a_load_that_no_sheet_carries_is_named(wing, material, dry):
     torque = dry.T.at[:, 2].set(3e8)
-    result = sized(wing, material, BoxLoads(dry.V, dry.M, torque))
+    result = sized(wing, material, dry._replace(T=torque))
     assert all_finite(result)
     assert int(jnp.argmax(result.worst_excess)) == 2
     assert float(result.worst_excess[2]) > 0.5
     np.testing.assert_allclose(np.delete(np.asarray(result.worst_excess), 2), 0.0, atol=1e-7)
-    panel, criterion = np.unravel_index(int(jnp.argmax(result.use[:, :, 2])), (4, 3))
+    panel, criterion = np.unravel_index(int(jnp.argmax(result.use[:, :, 2])), (4, 4))
     assert (PANELS[panel], CRITERIA[criterion]) != ("upper skin", "minimum gauge")
-    assert float(jnp.max(result.use[:, 2, 2])) < 1.0
+    assert float(jnp.max(result.use[:, 3, 2])) < 1.0
 
 
 def test_bending_beyond_the_caps_is_reported_not_repaired(wing, material, dry):
-    double = BoxLoads(dry.V, 2.0 * dry.M, dry.T)
+    double = dry._replace(M=2.0 * dry.M)
     result = sized(wing, material, double, cap=1e-3)
     assert float(jnp.max(result.worst_excess)) < 1e-7
     assert float(result.RFT) < 1.0 and float(result.RFC) < 1.0
 
 
-def test_rounding_only_adds_and_limits_the_steps(wing, material, dry):
+def test_rounding_only_adds_and_limits_the_steps():
+    t = jnp.asarray([[0.00512, 0.00401, 0.00231, 0.00122]])
+    free = round_up_to_increment(t, increment=1e-4)
+    np.testing.assert_allclose(free, [[0.0052, 0.0041, 0.0024, 0.0013]], atol=1e-12)
+    bought = round_up_to_increment(t, increment=1e-4, max_step=8e-4)
+    np.testing.assert_allclose(bought, [[0.0052, 0.0044, 0.0036, 0.0028]], atol=1e-12)
+
+
+@pytest.mark.parametrize("max_step", [3e-4, 1.0])
+def test_what_can_be_bought_has_no_lower_reserve_anywhere(wing, material, dry, max_step):
     model = box_model(wing, material, CONCEPT, loads=dry, A_cap_root=A_CAP, A_stringer_root=A_STRINGER)
     centre = box_centre(wing, CONCEPT)
-    t = solve_thickness(model)
-    bought = round_up_to_increment(t, increment=1e-4, max_step=3e-4)
-    assert bool(jnp.all(bought >= t - 1e-15))
-    np.testing.assert_allclose(bought / 1e-4, np.round(bought / 1e-4), atol=1e-6)
-    assert float(jnp.max(jnp.abs(jnp.diff(bought, axis=1)))) < 3e-4 * (1 + 1e-9)
-    free = round_up_to_increment(t, increment=1e-4)
-    assert bool(jnp.all(free - t < 1e-4)) and bool(jnp.all(free <= bought + 1e-15))
-    smooth, real = evaluate_box(model, centre, t), evaluate_box(model, centre, bought)
-    assert float(real.m_primary) > float(smooth.m_primary)
-    assert float(real.RFC) > float(smooth.RFC)
+    found = _smooth_and_bought(model, centre, max_step)
+    smooth, real = found
+    sheets = [np.stack([b.t_skin_upper, b.t_skin_lower, b.t_web_front, b.t_web_rear, b.t_rib]) for b in (smooth, real)]
+    assert np.all(sheets[1] >= sheets[0] - 1e-12)
+    np.testing.assert_allclose(sheets[1] / 1e-4, np.round(sheets[1] / 1e-4), atol=1e-6)
+    assert np.max(np.abs(np.diff(sheets[1][:4], axis=1))) <= max_step * (1 + 1e-9)
+    assert float(jnp.max(real.worst_excess)) < 1e-6
+    for name in ("RFC_span", "RFT_span"):
+        before, after = (np.minimum(getattr(b, name), 10.0) for b in (smooth, real))
+        assert np.all(after > before * (1 - 2e-6))
+    assert 0.0 < float(real.m_primary - smooth.m_primary) < 0.1 * float(smooth.m_primary)
+
+
+@jax.jit
+def _smooth_and_bought(model, centre, max_step):
+    smooth = evaluate_box(model, centre, solve_thickness(model))
+    return smooth, bought_box(model, centre, smooth, increment=1e-4, max_step=max_step)
 
 
 MUTATIONS = {
