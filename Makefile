@@ -17,7 +17,7 @@ export JAX_PLATFORMS        ?= cpu
 PYTEST := $(BIN)/python -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help install mdo test slow mutations validation bench lint format clean
+.PHONY: help install mdo test slow mutations validation interaction bench lint format clean
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*## ' $(firstword $(MAKEFILE_LIST)) | sed -E 's/:.*## /\t/' | expand -t 12
@@ -47,6 +47,9 @@ mutations: $(STAMP) ## switch each effect off and see its validation test fail
 
 validation: $(STAMP) ## write docs/validation.md from the functions of the tests
 	$(BIN)/python docs/make_validation.py
+
+interaction: $(STAMP) ## write docs/interaction.md: what rotors, wing and tail do to each other, with pictures
+	$(BIN)/python docs/make_interaction.py
 
 bench: $(STAMP) ## time the benchmarks
 	@for script in $(sort $(wildcard benchmarks/bench_*.py)); do \
