@@ -27,10 +27,10 @@ class BeamProperties(NamedTuple):
     """N m2."""
     mass: Float[Array, "n"]
     """kg/m."""
-    offset: Float[Array, "n"]
-    """Centre of mass aft of the axis, m."""
+    static_moment: Float[Array, "n"]
+    """Mass times the distance of its centre aft of the axis, kg."""
     inertia: Float[Array, "n"]
-    """Mass moment of inertia about the axis, kg m."""
+    """Mass moment of inertia about the axis, kg m; at least static_moment^2 / mass."""
 
 
 class BeamDeflection(NamedTuple):
@@ -75,7 +75,7 @@ def _element_matrices(beam: BeamProperties) -> tuple[Float[Array, "e 6 6"], Floa
     heave = jnp.einsum("eag,ebg,eg->eab", deflected, deflected, weight * _at(beam.mass))
     pitch = jnp.einsum("ag,bg,eg->eab", turned, turned, weight * _at(beam.inertia))
     # A point aft of the axis moves up by w - x theta when the nose turns up.
-    both = -jnp.einsum("eag,bg,eg->eab", deflected, turned, weight * _at(beam.mass) * _at(beam.offset))
+    both = -jnp.einsum("eag,bg,eg->eab", deflected, turned, weight * _at(beam.static_moment))
     zero = jnp.zeros((length.shape[0], 6, 6))
     bending, turning = np.ix_(_BEND, _BEND), np.ix_(_TURN, _TURN)
     stiffness = zero.at[:, *bending].set(bend).at[:, *turning].set(twist)

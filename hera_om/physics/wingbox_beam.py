@@ -39,13 +39,13 @@ def wing_beam(geometry: BoxGeometry, material: Material, section: Section, weigh
         return jnp.concatenate([bays[:1], inner, bays[-1:]])
 
     mass = jnp.maximum(at_stations(per_bay), LEAST_MASS)
-    offset = -at_stations(turning) / mass
-    inertia = mass * (jnp.square(offset) + jnp.square(GYRATION * geometry.chord))
+    moment = -at_stations(turning)
+    inertia = jnp.square(moment) / mass + mass * jnp.square(GYRATION * geometry.chord)
     return BeamProperties(
         s=jnp.concatenate([jnp.zeros(1), jnp.cumsum(step)]),
         EI=material.E * (section.I_xx - jnp.square(section.I_xz) / section.I_zz),
         GJ=material.G * section.torsion_constant,
         mass=mass,
-        offset=offset,
+        static_moment=moment,
         inertia=inertia,
     )

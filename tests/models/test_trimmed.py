@@ -84,13 +84,13 @@ def test_the_pull_up_carries_its_load_at_take_off_mass(baseline):
 
 
 def test_compression_reserve_crosses_its_limit_inside_the_box(small_aircraft):
-    """RFC over A_cap_root rises through 1.5: the constraint can be violated, and can be active."""
+    """RFC over A_stringer_root rises through 1.5: the constraint can be violated, and can be active."""
     aircraft = small_aircraft(lattice__box_stations=24)
     problem, box = build_aircraft(aircraft), variable_box(aircraft)
-    i = box.names.index("A_cap_root")
+    i = box.names.index("A_stringer_root")
     reserve = []
     for area in np.linspace(box.lower[i], box.upper[i], 5):
-        problem.set_val("A_cap_root", area)
+        problem.set_val("A_stringer_root", area)
         problem.run_model()
         reserve.append(problem.get_val("RFC").item())
     assert reserve == sorted(reserve)

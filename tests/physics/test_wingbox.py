@@ -422,7 +422,7 @@ def test_what_can_be_bought_has_no_lower_reserve_anywhere(wing, material, dry, m
     for name in ("RFC_span", "RFT_span"):
         before, after = (np.minimum(getattr(b, name), 10.0) for b in (smooth, real))
         assert np.all(after > before * (1 - 2e-6))
-    assert 0.0 < float(real.m_primary - smooth.m_primary) < 0.1 * float(smooth.m_primary)
+    assert 0.0 < float(real.m_primary - smooth.m_primary) < 0.15 * float(smooth.m_primary)
 
 
 @jax.jit
