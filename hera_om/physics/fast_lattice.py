@@ -22,9 +22,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
-from jax.scipy.linalg import lu_factor, lu_solve
 from jaxtyping import Array, Float
 
+from hera_om.physics import refined_lu
 from hera_om.physics.geometry import Panels
 from hera_om.physics.layout import PLANE, SINGLE
 from hera_om.physics.vortex_kernel import AT_END, FOUR_PI, ON_FILAMENT, Arms, Filaments, arms, half_line, segment
@@ -46,7 +46,7 @@ class FastLattice(NamedTuple):
     normal: Float[Array, "n 3"]
     beta: Float[Array, ""]  # sqrt(1 - M^2)
     plane: Float[Array, " n"]  # 1 for panels in the plane of symmetry
-    factors: tuple  # of the matrix in mirrored flow, and in reversed flow if wanted; no derivatives
+    factors: tuple[refined_lu.RefinedLU, ...]  # in mirrored flow, and in reversed flow if wanted; no derivatives
 
 
 def influence(
@@ -56,7 +56,7 @@ def influence(
     *,
     beta,
     mixtures: tuple[tuple[float, float], ...] = (EVEN,),
-) -> Float[Array, "m k n p"]:
+) -> tuple[Float[Array, "q k n"], ...]:
     """Velocities at points along directions per unit ring circulation.
 
     Args:
@@ -67,7 +67,8 @@ def influence(
         mixtures: weights of the half's own influence and of its image's, for each result.
 
     Returns:
-        Influence of every ring on every point, 1/m, the rings before the points.
+        Influence of every ring on every point, 1/m. Rows after the last point fill its block: they stay because
+        to cut them off copies the matrix, and new memory costs more than most operations on it.
     """
     images, weights = _images(beta), jnp.asarray(mixtures).T
     vortices = [_stretched(r, beta) for r in rings]
@@ -85,9 +86,10 @@ def influence(
         zero = [[_zeros(a, x.shape[-1]) for _ in x[1:]] for _, a in vortices]
         sums, _ = lax.scan(add_image, [zero for _ in mixtures], (images, weights))
         rings = [[jnp.concatenate(r) for r in zip(*map(_to_rings, one), strict=True)] for one in sums]
-        return jnp.stack([jnp.stack(r) for r in rings])
+        return tuple(jnp.stack([k.T for k in r], axis=1) for r in rings)
 
-    return _by_blocks(block, jnp.concatenate([points[:, None], directions], axis=1))
+    out = _map_blocks(block, jnp.concatenate([points[:, None], directions], axis=1))
+    return tuple(m.reshape(-1, *m.shape[2:]) for m in out)
 
 
 def ring_velocities(
@@ -96,7 +98,7 @@ def ring_velocities(
     """Velocity vectors per unit ring circulation, as `lattice.ring_velocities`: own, and of the mirror image."""
     axes = jnp.broadcast_to(jnp.eye(3), (points.shape[0], 3, 3))
     own, image = influence(points, axes, [s.rings for s in surfaces], beta=beta, mixtures=(OWN, IMAGE))
-    return jnp.moveaxis(own, -1, 0), jnp.moveaxis(image, -1, 0)
+    return own[: len(points)], image[: len(points)]
 
 
 def induced(
@@ -151,11 +153,12 @@ def assemble(
     beta = jnp.sqrt(1.0 - jnp.asarray(mach, float) ** 2)
     now = lax.stop_gradient((collocation, normal[:, None], rings))
     mixtures = (EVEN, ODD) if lateral else (EVEN,)
-    even, *odd = influence(*now, beta=lax.stop_gradient(beta), mixtures=mixtures)[:, 0]
-    even = even + jnp.diag(plane) if plane.any() else even  # what the plane reverses has no part in mirrored flow
-    odd = [m * (1.0 - plane / 2)[:, None] for m in odd] if plane.any() else odd
+    even, *odd = (m[:, 0] for m in influence(*now, beta=lax.stop_gradient(beta), mixtures=mixtures))
+    if plane.any():  # what the plane reverses has no part in mirrored flow
+        even = even + plane * jnp.eye(*even.shape)
+        odd = [m * (1.0 - plane / 2) for m in odd]
     return FastLattice(
-        rings, collocation, normal, beta, jnp.asarray(plane), tuple(lu_factor(m.T) for m in (even, *odd))
+        rings, collocation, normal, beta, jnp.asarray(plane), tuple(refined_lu.factorise(m) for m in (even, *odd))
     )
 
 
@@ -187,9 +190,9 @@ def solve(lattice: FastLattice, rhs: Float[Array, "n m"], *, odd: bool = False) 
         return wash if odd else wash + lattice.plane[:, None] * gamma
 
     def by_factors(transpose):
-        return lambda _, b: lu_solve(factors, b, trans=transpose)
+        return lambda _, b: refined_lu.solve(factors, b, transpose=transpose)
 
-    return lax.custom_linear_solve(normalwash, rhs, by_factors(0), transpose_solve=by_factors(1))
+    return lax.custom_linear_solve(normalwash, rhs, by_factors(False), transpose_solve=by_factors(True))
 
 
 def _images(beta) -> Float[Array, "2 3 3"]:
@@ -363,12 +366,16 @@ def _strength_arms(a: Arms, gamma: Float[Array, "nc ns m"]) -> Filaments:
 
 
 def _by_blocks(function: Callable, *vectors: Float[Array, "p _ 3"]) -> Array:
-    """Results of a function of [v, 3, block] for all points, on the last axis; the last point fills the last block."""
+    """Results of a function of [v, 3, block] for all points, on the last axis."""
+    joined = jnp.moveaxis(_map_blocks(function, *vectors), 0, -2)
+    return joined.reshape(*joined.shape[:-2], -1)[..., : vectors[0].shape[0]]
+
+
+def _map_blocks(function: Callable, *vectors: Float[Array, "p _ 3"]):
+    """Results of a function of [v, 3, block] for each block; the last point fills the last block."""
     count = vectors[0].shape[0]
     size = min(BLOCK, count)
     blocks = [jnp.pad(v, ((0, -count % size), (0, 0), (0, 0)), mode="edge") for v in vectors]
     blocks = [jnp.moveaxis(v.reshape(-1, size, *v.shape[1:]), 1, -1) for v in blocks]
     apart = jnp.eye(3)  # see the module's docstring
-    out = lax.map(lambda xs: function(*(jnp.einsum("ij,vjp->vip", apart, x) for x in xs)), blocks)
-    joined = jnp.moveaxis(out, 0, -2)
-    return joined.reshape(*joined.shape[:-2], -1)[..., :count]
+    return lax.map(lambda xs: function(*(jnp.einsum("ij,vjp->vip", apart, x) for x in xs)), blocks)
