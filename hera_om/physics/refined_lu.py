@@ -1,4 +1,4 @@
-"""Linear systems from factors in single precision, refined to double.
+"""Linear systems from factors in double precision or, large ones, from factors in single precision, refined to double.
 
 The factorisation is the only part of a dense solve whose cost grows with the third power, and in single
 precision it takes half the time. Its error E = 1 - A M^-1, with M the product of the single factors, is about
@@ -13,6 +13,8 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Float, Int32
 
+SINGLE_FROM = 1500
+"""Unknowns from which single factors are worth refining: below, the refinements of gradients cost what is saved."""
 ENOUGH = 1e-15
 """Error of the refined solution over its largest entry, as two corrections in a row foretell it."""
 CONVERGED = 1e-8
@@ -27,10 +29,10 @@ class Factors(NamedTuple):
 
 
 class RefinedLU(NamedTuple):
-    """A matrix in double precision and its factors in single precision."""
+    """A matrix in double precision and its factors, large ones in single precision."""
 
     rows: Float[Array, "q n"]  # the first n are the matrix
-    single: Factors
+    factors: Factors
 
 
 def factorise(rows: Float[Array, "q n"]) -> RefinedLU:
@@ -38,7 +40,8 @@ def factorise(rows: Float[Array, "q n"]) -> RefinedLU:
 
     Those of the transpose: LAPACK wants columns to lie together, and here rows do.
     """
-    triangles, _, order = lax.linalg.lu(rows[: rows.shape[1]].astype(jnp.float32).T)
+    n = rows.shape[1]
+    triangles, _, order = lax.linalg.lu(rows[:n].astype(jnp.float32 if n >= SINGLE_FROM else rows.dtype).T)
     return RefinedLU(rows, Factors(triangles, order))
 
 
@@ -51,8 +54,9 @@ def solve(lu: RefinedLU, rhs: Float[Array, "n m"], *, transpose: bool = False) -
         transpose: whether to solve with the transposed matrix.
 
     Returns:
-        Solutions. Refinement ends when the next correction is below rounding or no longer half the last one. It
-        converges up to condition numbers of about 1e6; columns for which it does not are NaN, never inaccurate.
+        Solutions. With single factors refinement ends when the next correction is below rounding or no longer half
+        the last one. It converges up to condition numbers of about 1e6; columns for which it does not are NaN, never
+        inaccurate.
     """
 
     def goes_on(now):
@@ -62,9 +66,11 @@ def solve(lu: RefinedLU, rhs: Float[Array, "n m"], *, transpose: bool = False) -
     def refine(now):
         x, dx, _ = now
         x = x + dx
-        return x, _by_factors(lu.single, rhs - _product(lu.rows, x, transpose), transpose), _size(dx)
+        return x, _by_factors(lu.factors, rhs - _product(lu.rows, x, transpose), transpose), _size(dx)
 
-    rough = _by_factors(lu.single, rhs, transpose)
+    rough = _by_factors(lu.factors, rhs, transpose)
+    if lu.factors.triangles.dtype == rhs.dtype:
+        return rough
     x, dx, _ = lax.while_loop(goes_on, refine, (jnp.zeros_like(rhs), rough, 2.0 * _size(rough)))
     return jnp.where(_size(dx) <= CONVERGED * _size(x), x + dx, jnp.nan)
 
