@@ -223,7 +223,7 @@ def slipstreams(
     return jnp.concatenate([own, other[::-1]], axis=1)
 
 
-def made_by(plan: RotorPlan, halves: int) -> Bool[np.ndarray, "h m h k"]:
+def made_by(plan: RotorPlan, halves: int) -> Bool[np.ndarray, "a m h k"]:
     """Which of the k slipstreams at each half, the last two axes, are those of a rotor of a half, the first two."""
     m = len(plan.groups)
     if plan.sides == 1:
