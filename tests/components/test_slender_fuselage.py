@@ -64,4 +64,4 @@ def test_lift_slope_of_wing_and_body(mid):
     munk, slender = mid
     share = (1.0 / 13.525) ** 2
     expected = munk["CL_alpha"] * (1 - share) ** 2 + 2 * math.pi / 61.0
-    assert slender["CL_alpha"] == pytest.approx(expected, rel=0.03)
+    assert slender["CL_alpha"] == pytest.approx(expected, rel=0.02)
