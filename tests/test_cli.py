@@ -575,6 +575,7 @@ def test_interruption_names_the_database_that_is_safe(run, studies, tmp_path):
 def test_ctrl_c_in_a_process_of_its_own(tmp_path):
     code = """
 import os, signal, time, types
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job starts with it ignored
 def mdo(aircraft, database, **_):
     open(database, "wb").write(b"SQLite format 3\\0")
     os.kill(os.getpid(), signal.SIGINT)
