@@ -155,7 +155,7 @@ def assemble(
     mixtures = (EVEN, ODD) if lateral else (EVEN,)
     even, *odd = (m[:, 0] for m in influence(*now, beta=lax.stop_gradient(beta), mixtures=mixtures))
     if plane.any():  # what the plane reverses has no part in mirrored flow
-        even = even + plane * jnp.eye(*even.shape)
+        even = even + plane * jnp.eye(even.shape[0], even.shape[1])
         odd = [m * (1.0 - plane / 2) for m in odd]
     return FastLattice(
         rings, collocation, normal, beta, jnp.asarray(plane), tuple(refined_lu.factorise(m) for m in (even, *odd))
