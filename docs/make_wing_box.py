@@ -35,7 +35,7 @@ def main() -> None:
     box: dict[str, Any] = problem.model.wing_box.last
     options.out.mkdir(parents=True, exist_ok=True)
     factor = aircraft.mission.limit_load_factor
-    drawings = {"sizing": draw_sizing(box), "loads": draw_loads(box, factor), "deflection": draw_deflection(box)}
+    drawings = {"sizing": draw_sizing(box), "loads": draw_loads(box, factor), "deflection": draw_deflection(box, factor)}
     if AREAS <= set(problem.model.wing_box.paths):
         drawings["reserves"] = draw_reserves(problem.model.wing_box, variable_box(aircraft))
     for name, figure in drawings.items():
@@ -105,12 +105,12 @@ def draw_loads(box: dict[str, Any], factor: float):
     return figure
 
 
-def draw_deflection(box: dict[str, Any]):
+def draw_deflection(box: dict[str, Any], factor: float):
     """The half wing seen from ahead, bent by the pull-up, and its twist."""
     y, bent = np.asarray(box["box_y"]), box["bent"]
     figure, (above, below) = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
     above.plot(y, 0.0 * y, "k--", lw=0.8, label="at rest")
-    above.plot(y, np.asarray(bent.w), label="2.5 g, limit load")
+    above.plot(y, np.asarray(bent.w), label=f"{factor:g} g, limit load")
     above.set_aspect("equal", adjustable="datalim")
     above.set_ylabel("deflection [m]")
     above.legend(fontsize=8)
