@@ -35,7 +35,11 @@ def main() -> None:
     box: dict[str, Any] = problem.model.wing_box.last
     options.out.mkdir(parents=True, exist_ok=True)
     factor = aircraft.mission.limit_load_factor
-    drawings = {"sizing": draw_sizing(box), "loads": draw_loads(box, factor), "deflection": draw_deflection(box, factor)}
+    drawings = {
+        "sizing": draw_sizing(box),
+        "loads": draw_loads(box, factor),
+        "deflection": draw_deflection(box, factor),
+    }
     if AREAS <= set(problem.model.wing_box.paths):
         drawings["reserves"] = draw_reserves(problem.model.wing_box, variable_box(aircraft))
     for name, figure in drawings.items():
