@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from hera_om.aircraft import Aircraft, load_aircraft
-from hera_om.components import aero, arrays
+from hera_om.components import aero, aero_stages, arrays
 from hera_om.physics import aerodynamics, coupling
 from hera_om.physics.disks import disk_points, rotor_loads
 from hera_om.physics.geometry import surface_mesh
@@ -102,7 +102,7 @@ def _set(constants: Mapping[str, Any]) -> None:
         for module in (coupling, aerodynamics):
             if hasattr(module, name):
                 setattr(module, name, value)
-    aero._stages.cache_clear()
+    aero_stages.stages.cache_clear()
     for store in (aero._systems, aero._states, aero._tangents):
         store.clear()
 

@@ -46,6 +46,9 @@ def analyze(args: argparse.Namespace) -> Outcome:
     from hera_om.cli.tables import analyze_text
 
     aircraft = prepare(args)
+    from hera_om.components.aero_stages import begin
+
+    begin(aircraft)  # compiled code loads while OpenMDAO is imported
     from hera_om.studies import analyze
 
     return Outcome(plain(analyze(aircraft)), analyze_text)

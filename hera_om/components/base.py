@@ -11,9 +11,8 @@ import openmdao.api as om
 from jax.flatten_util import ravel_pytree
 
 from hera_om.aircraft.definition import Aircraft
-from hera_om.aircraft.paths import variable_box
-from hera_om.components.structure import Structure, number_array
-from hera_om.core.programs import program
+from hera_om.components.structure import Structure, number_array, variables_under
+from hera_om.core.programs import Program, in_background, jitted, kept
 from hera_om.core.registry import quantity
 
 Values = dict[str, Any]
@@ -57,14 +56,20 @@ class JaxComponent(om.ExplicitComponent):
         self.declare()
         if self._var_rel_names["input"]:
             self.declare_partials("*", "*")
+        if kept():
+            self.begin()
+
+    def begin(self) -> None:
+        """Start to load or compile what `compute` will ask for; a fault waits for the asking."""
+        inputs = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
+        function, static = self.call()[0], (self.structure, self.statics, tuple(self.paths.items()))
+        in_background(lambda: function.begin(*static, self.base, self.constants, inputs))
 
     def _add_variables(self, aircraft: Aircraft) -> None:
         """Make the design variables that this component reads its inputs."""
-        box = variable_box(aircraft)
-        for name, path, value, units in zip(box.names, box.paths, box.baseline, box.units, strict=True):
-            if any(path == r or path.startswith(r + ".") for r in self.READS):
-                self.paths[name] = path
-                self.add_input(name, val=value, units=units, desc=f"design variable {path}")
+        for name, path, value, units in variables_under(aircraft, self.READS):
+            self.paths[name] = path
+            self.add_input(name, val=value, units=units, desc=f"design variable {path}")
 
     def add(
         self, name: str, *, shape: tuple[int, ...] = (1,), units: str | None = None, desc: str = "", val=None
@@ -106,7 +111,7 @@ class JaxComponent(om.ExplicitComponent):
         if bad:
             raise om.AnalysisError(f"{self.pathname}: not finite: {', '.join(bad)}")
         for name in self._var_rel_names["output"]:
-            outputs[name] = np.reshape(out[name], outputs[name].shape)
+            outputs[name] = np.asarray(out[name]).reshape(outputs[name].shape)
 
     def compute_partials(self, inputs, partials) -> None:
         """Exact dense partials by forward or reverse mode, whichever has fewer passes."""
@@ -151,7 +156,7 @@ def _compiled(evaluate):
 
             return mode(flat_run)(flat)
 
-        return jax.jit(matrix, static_argnums=(0, 1, 2, 3))
+        return jitted(matrix, (0, 1, 2, 3))
 
     run.__module__, run.__qualname__ = evaluate.__module__, evaluate.__qualname__  # names of the kept program
-    return program(run, 3), jacobian(jax.jacfwd), jacobian(jax.jacrev)
+    return Program(run, 3), jacobian(jax.jacfwd), jacobian(jax.jacrev)

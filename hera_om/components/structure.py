@@ -1,13 +1,13 @@
 """A definition split for JAX: its numbers as one array, everything else as a hashable static."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 
 from hera_om.aircraft.definition import Aircraft
-from hera_om.aircraft.paths import blank, fill, numbers
+from hera_om.aircraft.paths import blank, fill, numbers, variable_box
 
 
 class Structure:
@@ -41,3 +41,19 @@ class Structure:
 def number_array(aircraft: Aircraft) -> np.ndarray:
     """Numbers of a definition in the order of its structure."""
     return np.array(list(numbers(aircraft).values()), float)
+
+
+class Variable(NamedTuple):
+    """A design variable of a definition."""
+
+    name: str
+    path: str
+    value: float
+    units: str | None
+
+
+def variables_under(aircraft: Aircraft, prefixes: Sequence[str]) -> list[Variable]:
+    """The design variables whose paths begin with one of these."""
+    box = variable_box(aircraft)
+    found = map(Variable, box.names, box.paths, box.baseline, box.units)
+    return [v for v in found if any(v.path == p or v.path.startswith(p + ".") for p in prefixes)]

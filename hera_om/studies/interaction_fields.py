@@ -9,7 +9,7 @@ import numpy as np
 
 from hera_om.aircraft import Aircraft
 from hera_om.components import arrays
-from hera_om.core.programs import program
+from hera_om.core.programs import Program
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Surface
 from hera_om.physics.blade_loads import section_loading
 from hera_om.physics.coupling import Controls, Setting, induced, make_system, respond, winds
@@ -121,4 +121,4 @@ def _section(rotors: Rotors, plan: RotorPlan, loads, density):
     return jax.vmap(one)(blades(rotors, plan), first, rotors.omega, rotors.radius)
 
 
-_field = program(_velocity_and_load, 2)
+_field = Program(_velocity_and_load, 2)
