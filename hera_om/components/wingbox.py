@@ -8,6 +8,7 @@ import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.rotors import hub_ys
+from hera_om.aircraft.structure import Laminate
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values
 from hera_om.components.box_arrays import (
@@ -91,6 +92,7 @@ class WingBox(JaxComponent):
         """Loads of both trimmed cases in; mass, reserve factors and distributions out."""
         aircraft = self.options["aircraft"]
         weights = box_weights(aircraft)
+        self.criteria = ("Tsai-Wu", *CRITERIA[1:]) if isinstance(aircraft.wing_material(), Laminate) else CRITERIA
         self.constants = (weights, box_tables(aircraft, weights), np.asarray(self.options["remainder"]))
         self.statics = _outer_rotor(aircraft)
         for name, (value, units, desc) in _load_inputs(aircraft).items():
@@ -128,7 +130,7 @@ class WingBox(JaxComponent):
             self.add(name, shape=(stations,), units=units, desc=desc)
         panels = f"of {', '.join(PANELS)} (rows) by station"
         self.add("sizing_case", shape=(4, stations), desc=f"number of the sizing case {panels}; {', '.join(CASES)}")
-        self.add("sizing_criterion", shape=(4, stations), desc=f"what sizes {panels}: {', '.join(CRITERIA)}")
+        self.add("sizing_criterion", shape=(4, stations), desc=f"what sizes {panels}: {', '.join(self.criteria)}")
 
     @staticmethod
     def evaluate(aircraft: Any, statics: Any, constants: Any, inputs: Values) -> Values:
@@ -174,7 +176,7 @@ class WingBox(JaxComponent):
             place = f"bay {station + 1} of {len(excess)} at y = {float(out['box_y'][station]):.2f} m"
             raise om.AnalysisError(
                 f"{self.pathname}: {place}: no allowed thickness carries the load; "
-                f"{PANELS[panel]}, {CRITERIA[criterion]} in {case}: utilisation {use[panel, criterion]:.3g}"
+                f"{PANELS[panel]}, {self.criteria[criterion]} in {case}: utilisation {use[panel, criterion]:.3g}"
             )
 
 

@@ -134,6 +134,13 @@ def _first_column(old):
     return weights
 
 
+def _isotropic_plate(old):
+    def affine(f):
+        return old(f._replace(across=f.along, mixed=f.along))
+
+    return affine
+
+
 def _half_factors(old):
     def matrix(weights, *, limit_factor, **rest):
         return old(weights, limit_factor=0.5 * limit_factor, **rest)
@@ -431,6 +438,25 @@ MUTATIONS = {
         ("box_section:section_properties", "box_section:shear_flow"),
         _without_rear_spar,
         PHYSICS + "test_box_section.py::test_sections_against_finite_elements[root_43018]",
+        True,
+    ),
+    "tsai_wu_without_interaction": Mutation(
+        "interaction of stresses along and across the fibres",
+        ("laminate:INTERACTION",),
+        0.0,
+        PHYSICS + "test_laminate.py::test_first_ply_failure_as_printed",
+    ),
+    "tsai_wu_off_in_the_sheets": Mutation(
+        "failure of plies in shear",
+        ("laminate:shear_use",),
+        lambda laminate, direct, shear: 1e-3 + 0.0 * laminate.linear[:, :1, None, None, None] * direct,
+        PHYSICS + "test_laminate.py::test_torsion_alone_asks_for_the_shear_strength_of_the_ply",
+    ),
+    "orthotropy_off_in_plates": Mutation(
+        "twisting stiffness of orthotropic plates",
+        ("laminate:_affine",),
+        _isotropic_plate,
+        PHYSICS + "test_laminate.py::test_compression_of_a_specially_orthotropic_plate[1.3]",
         True,
     ),
     "relief_off_in_the_mass": Mutation(
