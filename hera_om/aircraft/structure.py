@@ -25,6 +25,9 @@ class WingStructure(Part):
     t_min_skin_m: float = number("least thickness of a sheet", "m", gt=0)
     t_increment_m: float = number("step of the thicknesses that can be bought", "m", ge=0)
     t_step_max_m: float = number("largest step of a bought thickness between neighbouring bays", "m", 0.0005, gt=0)
+    aeroelastic: bool = item(
+        "whether bending and twist of the wing, over its shape in the cruise, change its loads", False
+    )
     primary_fraction: float = number("share of sized primary structure in what it stands for", gt=0, le=1)
     mass_total_baseline_kg: float = number("mass of the whole wing at the baseline", "kg", gt=0)
     mass_remainder_kg: float | None = number(

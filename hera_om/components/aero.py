@@ -17,7 +17,17 @@ from hera_om.components.structure import Structure
 from hera_om.core.programs import program
 from hera_om.physics.aero_cases import Body
 from hera_om.physics.aerodynamics import AeroResult, evaluate
-from hera_om.physics.coupling import Controls, Setting, System, join_factors, make_system, panel_layout, split_factors
+from hera_om.physics.aeroelastic import lift_by_twist
+from hera_om.physics.coupling import (
+    Controls,
+    Setting,
+    System,
+    join_factors,
+    make_system,
+    panel_layout,
+    split_factors,
+    wind,
+)
 from hera_om.physics.equilibrium import Known, carried, find_root, settle
 from hera_om.physics.performance import pull_up_rate
 
@@ -220,14 +230,19 @@ def _evaluate(
     return evaluate(found, x, polars, at=at, plan=plan, body=body, lay=lay), known
 
 
-def _outputs(aircraft, statics: AeroPlan, system: System, inputs: Values, result: AeroResult) -> Values:
+def _outputs(aircraft, statics: AeroPlan, constants, system: System, inputs: Values, result: AeroResult) -> Values:
     """Outputs by name."""
-    _, at, body = _setting(aircraft, statics, system, inputs)
+    x, at, body = _setting(aircraft, statics, system, inputs)
     out = _coefficients(statics, result) | _drag(aircraft, result, body, at.flow) | _air(result, at.flow, body)
     if at.rotors is not None:
         out |= _rotor_outputs(statics, result, at.rotors, at.flow)
     if aircraft.wing is not None:
         out |= _wing_outputs(system, result, at.flow)
+    if statics.aeroelastic:
+        assert system.lattice is not None
+        lay = panel_layout(arrays.surfaces(aircraft, list(constants)), statics.model)
+        slope = lift_by_twist(system.lattice, lay, wind(x), out["cl_span"].shape[0])
+        out["strip_lift_by_twist"] = out["dynamic_pressure"] * slope
     return out
 
 
@@ -339,7 +354,7 @@ def _stages(once: bool):
     def state(structure, statics, paths, base, constants, system, inputs):
         aircraft = definition(structure, paths, base, inputs)
         result, known = _evaluate(aircraft, statics, constants, system, inputs, None)
-        outputs = _outputs(aircraft, statics, system, inputs, result)
+        outputs = _outputs(aircraft, statics, constants, system, inputs, result)
         return State(outputs, system, known, result.derivatives, result.thrust_by, result.pressure)
 
     def by_system(structure, statics, paths, wrt, base, constants, inputs):
@@ -373,7 +388,7 @@ def _stages(once: bool):
             aircraft = definition(structure, paths, base, here)
             system = join_factors(varying, factors)
             result, _ = _evaluate(aircraft, statics, constants, system, here, known)
-            out = _outputs(aircraft, statics, system, here, result)
+            out = _outputs(aircraft, statics, constants, system, here, result)
             return ravel_pytree({n: out[n] for n in names})[0]
 
         order = (*fixed, *moving)

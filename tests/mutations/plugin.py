@@ -141,6 +141,20 @@ def _isotropic_plate(old):
     return affine
 
 
+def _unswept_axis(old):
+    def frame(axis):
+        return old(axis * jnp.array([0.0, 1.0, 1.0]))
+
+    return frame
+
+
+def _unanswered(old):
+    def loads(wing, slope, *rest):
+        return old(wing, 0.0 * slope, *rest)
+
+    return loads
+
+
 def _half_factors(old):
     def matrix(weights, *, limit_factor, **rest):
         return old(weights, limit_factor=0.5 * limit_factor, **rest)
@@ -457,6 +471,20 @@ MUTATIONS = {
         ("laminate:_affine",),
         _isotropic_plate,
         PHYSICS + "test_laminate.py::test_compression_of_a_specially_orthotropic_plate[1.3]",
+        True,
+    ),
+    "sweep_off_in_the_elastic_wing": Mutation(
+        "incidence that a bent swept wing loses",
+        ("aeroelastic:axis_frame",),
+        _unswept_axis,
+        PHYSICS + "test_aeroelastic.py::test_sweep_back_relieves_and_sweep_forward_loads",
+        True,
+    ),
+    "twist_does_not_lift": Mutation(
+        "lift by the twist of an elastic wing",
+        ("aeroelastic:elastic_loads",),
+        _unanswered,
+        PHYSICS + "test_aeroelastic.py::test_twist_of_a_straight_wing[0.7]",
         True,
     ),
     "relief_off_in_the_mass": Mutation(
