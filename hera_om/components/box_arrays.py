@@ -18,8 +18,8 @@ from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, Material, lam
 
 TANK_STRIPS = 12
 SIDES = 2
-SECTION_KEYS = ("y_m", "chord_m", "thickness", "sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
-WING_KEYS = ("x_le_root_m", "z_root_m", "fuselage_joint_y_m", "fuel_tank", "structure")
+SECTION_KEYS = ("y_m", "chord_m", "thickness", "twist_deg", "sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
+WING_KEYS = ("x_le_root_m", "z_root_m", "incidence_deg", "fuselage_joint_y_m", "fuel_tank", "structure")
 MISSION_KEYS = (
     "limit_load_factor",
     "reserve_factor",
@@ -32,7 +32,7 @@ ROTOR_KEYS = ("polar_inertia_kgm2", "rpm")
 
 
 def box_reads(aircraft) -> tuple[str, ...]:
-    """Paths that the box depends on; twist is not among them."""
+    """Paths that the box depends on."""
     wing = aircraft.wing
     paths = [f"wing.{key}" for key in WING_KEYS] + [f"mission.{key}" for key in MISSION_KEYS]
     paths += [f"wing.section.{s.name}.{key}" for s in wing.section for key in SECTION_KEYS]
@@ -76,7 +76,8 @@ def box_geometry(aircraft, weights, tables) -> BoxGeometry:
         return weights @ jnp.append(jnp.interp(joint, s.y, values), values[-outboard:])
 
     place = jnp.stack([stations(s.x_le), stations(s.y), stations(s.z)], axis=1)
-    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)), tables=tables)
+    ratio = stations(_thickness_ratio(aircraft))
+    return BoxGeometry(place, stations(s.chord), ratio, tables=tables, incidence=stations(s.twist))
 
 
 def box_material(aircraft) -> Material:

@@ -24,6 +24,7 @@ from hera_om.physics.wingbox_types import (
     CriticalStress,
     Material,
     box_centre,
+    on_sections,
 )
 
 ScalarLike = Float[Array, ""] | float | int
@@ -74,7 +75,8 @@ def box_model(
         pitch=concept.stringer_pitch,
     )
     axis = geometry.axis_fraction * geometry.chord
-    return BoxModel(shape, members, material, concept, loads, _critical(shape, material, concept), axis)
+    turned = on_sections(loads, geometry.incidence)
+    return BoxModel(shape, members, material, concept, turned, _critical(shape, material, concept), axis)
 
 
 def _log_use(log_t: Float[Array, "4 n"], model: BoxModel, sharpness: ScalarLike) -> Float[Array, "4 n"]:

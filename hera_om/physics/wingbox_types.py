@@ -50,7 +50,7 @@ class BoxGeometry(NamedTuple):
 
     ``axis_fraction`` is the chord fraction of the axis about which the torque is given, on the chord line; 0.35 is
     near the shear centre of a box between 0.15 and 0.62. ``tables`` are the contours, `core.contours.contour_table`
-    of each station; absent: the symmetric NACA form.
+    of each station; absent: the symmetric NACA form. ``incidence``, rad, turns the sections nose-up about that axis.
     """
 
     leading_edge: Float[Array, "n 3"]
@@ -58,6 +58,7 @@ class BoxGeometry(NamedTuple):
     thickness_ratio: Float[Array, "n"]
     axis_fraction: ScalarLike = 0.35
     tables: Float[Array, "n 4 p"] | None = None
+    incidence: Float[Array, "n"] | ScalarLike = 0.0
 
 
 class BoxLoads(NamedTuple):
@@ -164,6 +165,13 @@ def box_centre(geometry: BoxGeometry, concept: BoxConcept) -> Float[Array, "n 3"
 def _at_fraction(geometry: BoxGeometry, fraction: ScalarLike) -> Float[Array, "n 3"]:
     """Leading edge moved aft by a fraction of the chord."""
     return geometry.leading_edge.at[:, 0].add(fraction * geometry.chord)
+
+
+def on_sections(loads: BoxLoads, incidence: Float[Array, "n"] | ScalarLike) -> BoxLoads:
+    """Loads on the axes of sections turned nose-up, from those on geometry axes: forces and moments turn back alike."""
+    c, s = jnp.cos(incidence), jnp.sin(incidence)
+    up, aft = loads.V * c + loads.H * s, loads.H * c - loads.V * s
+    return BoxLoads(up, loads.M * c - loads.Mz * s, loads.T, aft, loads.Mz * c + loads.M * s)
 
 
 def stack_cases(*cases) -> BoxLoads:

@@ -158,7 +158,7 @@ def test_reads_what_it_depends_on(hera):
     problem = set_up(hera)
     names = problem.model.box._var_rel_names["input"]
     variables = {v.name for v in hera.variables}
-    assert variables & set(names) == {"y_kink", "y_prop", "A_cap_root", "A_stringer_root"}
+    assert variables & set(names) == {"y_kink", "theta_tip", "y_prop", "A_cap_root", "A_stringer_root"}
 
 
 def test_a_wing_without_rotors_masses_and_tank(hera):

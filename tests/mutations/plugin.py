@@ -5,6 +5,7 @@ test in a process of its own with this plugin and expects it to fail.
 """
 
 import importlib
+import inspect
 import os
 from typing import NamedTuple
 
@@ -153,6 +154,14 @@ def _unanswered(old):
         return old(wing, 0.0 * slope, *rest)
 
     return loads
+
+
+def _other_cover(old):
+    def use(*args):
+        caller = inspect.stack()[1].function
+        return -old(*args) if caller == "thin" else old(*args)
+
+    return use
 
 
 def _half_factors(old):
@@ -485,6 +494,19 @@ MUTATIONS = {
         ("aeroelastic:elastic_loads",),
         _unanswered,
         PHYSICS + "test_aeroelastic.py::test_twist_of_a_straight_wing[0.7]",
+        True,
+    ),
+    "section_not_turned": Mutation(
+        "incidence of the sections of the box",
+        ("wingbox_types:on_sections",),
+        lambda loads, incidence: loads,
+        PHYSICS + "test_box_section.py::test_a_turned_section_by_hand[0.08]",
+    ),
+    "wrong_cover_spared": Mutation(
+        "which cover is not thickened for the sake of its stringers",
+        ("wingbox_reserve:cover_compression",),
+        _other_cover,
+        PHYSICS + "test_wingbox.py::test_no_random_wing_that_is_bought_has_a_lower_reserve",
         True,
     ),
     "relief_off_in_the_mass": Mutation(

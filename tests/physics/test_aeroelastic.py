@@ -86,7 +86,7 @@ def test_sweep_back_relieves_and_sweep_forward_loads():
         shear, bending = _root_bending(wing, at_constant_lift(strip_theory(wing, 500.0)))
         assert abs(shear) < 1e-3 and 0.01 < sign * bending < 0.3
     straight = uniform_wing(EI=4e6)  # lift ahead of the axis twists nose up: load moves outboard
-    assert _root_bending(straight, at_constant_lift(strip_theory(straight, 1500.0)))[1] > 0.02
+    assert _root_bending(straight, at_constant_lift(strip_theory(straight, 1500.0)))[1] > 0.01
 
 
 def test_derivatives_by_stiffness_and_pressure():
