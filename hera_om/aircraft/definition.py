@@ -9,7 +9,7 @@ from hera_om.aircraft.free_surfaces import Surface
 from hera_om.aircraft.masses import Mass
 from hera_om.aircraft.mission import Flight, Lattice, Mission, Reference, Variable
 from hera_om.aircraft.rotors import Blade, Rotor
-from hera_om.aircraft.structure import Material
+from hera_om.aircraft.structure import Laminate, Material
 from hera_om.aircraft.surfaces import HTail, VTail, Wing
 
 
@@ -32,6 +32,7 @@ class Aircraft(Part):
     blade: tuple[Blade, ...] = item("blades", ())
     mass: tuple[Mass, ...] = item("mass items", ())
     material: tuple[Material, ...] = item("materials; a shipped one that is used is copied in when loading", ())
+    laminate: tuple[Laminate, ...] = item("laminates; a shipped one that is used is copied in when loading", ())
     variables: tuple[Variable, ...] = item("design variables", ())
     lattice: Lattice = item("density of the discretisation", Lattice())
 
@@ -39,9 +40,9 @@ class Aircraft(Part):
         """The blade of a rotor group."""
         return next(b for b in self.blade if b.name == rotor.blade)
 
-    def wing_material(self) -> Material:
-        """The material of the wing box; the wing must have a structure."""
+    def wing_material(self) -> Material | Laminate:
+        """The material or laminate of the wing box; the wing must have a structure."""
         if self.wing is None or self.wing.structure is None:
             raise ValueError(f"{self.name} has no wing structure")
         wanted = self.wing.structure.material
-        return next(m for m in self.material if m.name == wanted)
+        return next(m for m in (*self.material, *self.laminate) if m.name == wanted)

@@ -191,11 +191,12 @@ def _add_shipped_material(data: dict[str, Any]) -> None:
     wing = data.get("wing")
     structure = wing.get("structure") if isinstance(wing, dict) else None
     wanted = structure.get("material") if isinstance(structure, dict) else None
-    own = data.get("material", [])
-    if not isinstance(wanted, str) or wanted not in shipped_materials() or not isinstance(own, list):
+    own = [data.get(kind, []) for kind in ("material", "laminate")]
+    if not isinstance(wanted, str) or wanted not in shipped_materials() or not all(isinstance(o, list) for o in own):
         return
-    if not any(isinstance(m, dict) and m.get("name") == wanted for m in own):
-        data["material"] = [*own, dict(shipped_materials()[wanted])]
+    if not any(isinstance(m, dict) and m.get("name") == wanted for tables in own for m in tables):
+        kind, table = shipped_materials()[wanted]
+        data[kind] = [*data.get(kind, []), dict(table)]
 
 
 def _tuples(value: Any) -> Any:

@@ -58,7 +58,7 @@ def _duplicates(aircraft: Aircraft) -> Iterator[Finding]:
         "rotor": aircraft.rotor,
         "blade": aircraft.blade,
         "mass": aircraft.mass,
-        "material": aircraft.material,
+        "material": (*aircraft.material, *aircraft.laminate),
         "variables": aircraft.variables,
         "surface": aircraft.surface,
         "airfoil": aircraft.airfoil,
@@ -93,7 +93,7 @@ def _references(aircraft: Aircraft) -> Iterator[Finding]:
         if area.rotor is not None and area.y_m is not None:
             yield Finding(f"drag_area.{area.name}.y_m", area.y_m, "either y_m or rotor, not both", "either or")
     if aircraft.wing and aircraft.wing.structure:
-        own: Mapping[str, object] = {m.name: m for m in aircraft.material}
+        own: Mapping[str, object] = {m.name: m for m in (*aircraft.material, *aircraft.laminate)}
         known = list(own | shipped_materials())
         yield from _reference("wing.structure.material", aircraft.wing.structure.material, known, "material")
 

@@ -3,14 +3,19 @@
 import tomllib
 from functools import lru_cache
 from importlib import resources
+from typing import Annotated, Any
 
-from hera_om.aircraft.fields import NAME, Part, item, number
+from pydantic import Field
+
+from hera_om.aircraft.fields import NAME, Constant, Part, item, number
+
+_Angle = Annotated[float, Field(gt=-180, le=180), Constant]
 
 
 class WingStructure(Part):
     """Wing box between two spars: caps and stringers given, skins, webs and ribs sized."""
 
-    material: str = item("name of a [[material]] of the definition, or of a shipped one", pattern=NAME)
+    material: str = item("name of a [[material]] or [[laminate]] of the definition, or of a shipped one", pattern=NAME)
     front_spar: float = number("front spar as a fraction of the chord", gt=0, lt=1)
     rear_spar: float = number("rear spar as a fraction of the chord", gt=0, lt=1)
     rib_pitch_m: float = number("distance between ribs", "m", gt=0)
@@ -20,6 +25,9 @@ class WingStructure(Part):
     t_min_skin_m: float = number("least thickness of a sheet", "m", gt=0)
     t_increment_m: float = number("step of the thicknesses that can be bought", "m", ge=0)
     t_step_max_m: float = number("largest step of a bought thickness between neighbouring bays", "m", 0.0005, gt=0)
+    aeroelastic: bool = item(
+        "whether bending and twist of the wing, over its shape in the cruise, change its loads", False
+    )
     primary_fraction: float = number("share of sized primary structure in what it stands for", gt=0, le=1)
     mass_total_baseline_kg: float = number("mass of the whole wing at the baseline", "kg", gt=0)
     mass_remainder_kg: float | None = number(
@@ -43,8 +51,28 @@ class Material(Part):
     Fsu_Pa: float = number("ultimate strength in shear", "Pa", gt=0)
 
 
+class Laminate(Part):
+    """A symmetric laminate of equal unidirectional plies; it fails with its first ply, by Tsai and Wu."""
+
+    name: str = item("name of the laminate", pattern=NAME)
+    E1_Pa: float = number("Young's modulus of the ply along its fibres", "Pa", gt=0)
+    E2_Pa: float = number("Young's modulus of the ply across its fibres", "Pa", gt=0)
+    G12_Pa: float = number("shear modulus of the ply", "Pa", gt=0)
+    nu12: float = number("Poisson's ratio of the ply, strain across over strain along its fibres", gt=-1, lt=1)
+    rho_kg_m3: float = number("density", "kg/m3", gt=0)
+    Xt_Pa: float = number("strength of the ply along its fibres in tension", "Pa", gt=0)
+    Xc_Pa: float = number("strength of the ply along its fibres in compression", "Pa", gt=0)
+    Yt_Pa: float = number("strength of the ply across its fibres in tension", "Pa", gt=0)
+    Yc_Pa: float = number("strength of the ply across its fibres in compression", "Pa", gt=0)
+    S_Pa: float = number("strength of the ply in shear", "Pa", gt=0)
+    angles_deg: tuple[_Angle, ...] = Field(
+        min_length=1, description="angles of the plies from the span, from a face to the middle plane [deg]"
+    )
+
+
 @lru_cache(maxsize=1)
-def shipped_materials() -> dict[str, dict[str, str | float]]:
-    """The tables of the shipped materials by name."""
+def shipped_materials() -> dict[str, tuple[str, dict[str, Any]]]:
+    """The shipped materials by name: which array of tables each belongs to, and its table."""
     text = (resources.files("hera_om.aircraft") / "data" / "materials.toml").read_text("utf-8")
-    return {str(table["name"]): table for table in tomllib.loads(text)["material"]}
+    arrays = tomllib.loads(text)
+    return {str(table["name"]): (kind, table) for kind, tables in arrays.items() for table in tables}

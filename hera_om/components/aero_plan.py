@@ -23,10 +23,12 @@ class AeroPlan:
         self.commands = arrays.model_commands(aircraft, lateral)
         self.model = arrays.model(aircraft, lateral)
         surfaces = (s.name for s in arrays.parts(aircraft, lateral))
+        boxed = aircraft.wing is not None and aircraft.wing.structure is not None
+        self.aeroelastic = boxed and aircraft.wing.structure.aeroelastic and not lateral
         self.parts = (*surfaces, FUSELAGE, *((ROTORS,) if self.groups else ()))
 
     def _key(self):
-        return self.rotors, self.groups, self.commands, self.model, self.parts
+        return self.rotors, self.groups, self.commands, self.model, self.parts, self.aeroelastic
 
     def __hash__(self) -> int:
         """Hash of the statics."""
@@ -71,6 +73,7 @@ class AeroPlan:
             ns = lifting_surfaces(aircraft)[0].spanwise
             out |= {"cl_span": (ns,), "y_span": (ns,), "strip_edge": (ns + 1,), "strip_point": (ns, 3)}
             out |= {"strip_force": (ns, 3), "strip_moment": (ns, 3)}
+            out |= {"strip_lift_by_twist": (ns, ns)} if self.aeroelastic else {}
         return out
 
     def members(self, group: int) -> list[int]:
@@ -129,4 +132,5 @@ TEXTS: dict[str, dict[str, Any]] = {
     "strip_point": {"units": "m", "desc": "quarter-chord points of the wing's strips"},
     "strip_force": {"units": "N", "desc": "force on each strip of the starboard wing, geometry axes"},
     "strip_moment": {"units": "N*m", "desc": "moment on each strip about its point, geometry axes"},
+    "strip_lift_by_twist": {"units": "N/rad", "desc": "lift of each strip of the wing (rows) by the incidence of each"},
 }

@@ -15,7 +15,17 @@ from hera_om.components.structure import Structure, number_array, variables_unde
 from hera_om.core.programs import FAST, LEAN, Program, in_background, jitted, kept
 from hera_om.physics.aero_cases import Body
 from hera_om.physics.aerodynamics import evaluate
-from hera_om.physics.coupling import Controls, Setting, System, join_factors, make_system, panel_layout, split_factors
+from hera_om.physics.aeroelastic import lift_by_twist
+from hera_om.physics.coupling import (
+    Controls,
+    Setting,
+    System,
+    join_factors,
+    make_system,
+    panel_layout,
+    split_factors,
+    wind,
+)
 from hera_om.physics.equilibrium import Equilibrium, Known, Root, carried, find_root, settle
 from hera_om.physics.performance import pull_up_rate
 
@@ -144,6 +154,10 @@ def _finish(structure, statics, paths, base, constants, system, inputs, found: E
     polars, lay = [s.polar for s in surfaces], panel_layout(surfaces, statics.model)
     result = evaluate(found, x, polars, at=at, plan=statics.rotors, body=body, lay=lay)
     outputs = named(aircraft, statics, at, body, result)
+    if statics.aeroelastic:
+        assert system.lattice is not None
+        slope = lift_by_twist(system.lattice, lay, wind(x), outputs["cl_span"].shape[0])
+        outputs["strip_lift_by_twist"] = outputs["dynamic_pressure"] * slope
     return Finished(outputs, result.derivatives, result.thrust_by, result.pressure)
 
 

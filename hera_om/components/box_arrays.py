@@ -7,17 +7,19 @@ import numpy as np
 
 from hera_om.aircraft.lifting_surfaces import lifting_surfaces
 from hera_om.aircraft.rotors import hub_ys
+from hera_om.aircraft.structure import Laminate
 from hera_om.components import arrays
 from hera_om.components.mass import ROTOR
 from hera_om.core.contours import contour_table
 from hera_om.physics.beam_loads import SpanMass, point_mass, spread_mass
 from hera_om.physics.geometry import span_weights
-from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, Material
+from hera_om.physics.laminate import Ply
+from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, Material, laminated
 
 TANK_STRIPS = 12
 SIDES = 2
-SECTION_KEYS = ("y_m", "chord_m", "thickness", "sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
-WING_KEYS = ("x_le_root_m", "z_root_m", "fuselage_joint_y_m", "fuel_tank", "structure")
+SECTION_KEYS = ("y_m", "chord_m", "thickness", "twist_deg", "sweep_quarter_deg", "dihedral_deg", "x_le_m", "z_m")
+WING_KEYS = ("x_le_root_m", "z_root_m", "incidence_deg", "fuselage_joint_y_m", "fuel_tank", "structure")
 MISSION_KEYS = (
     "limit_load_factor",
     "reserve_factor",
@@ -30,12 +32,12 @@ ROTOR_KEYS = ("polar_inertia_kgm2", "rpm")
 
 
 def box_reads(aircraft) -> tuple[str, ...]:
-    """Paths that the box depends on; twist is not among them."""
+    """Paths that the box depends on."""
     wing = aircraft.wing
     paths = [f"wing.{key}" for key in WING_KEYS] + [f"mission.{key}" for key in MISSION_KEYS]
     paths += [f"wing.section.{s.name}.{key}" for s in wing.section for key in SECTION_KEYS]
     paths += [f"rotor.{r.name}.{key}" for r in aircraft.rotor for key in ROTOR_KEYS]
-    paths += [f"material.{wing.structure.material}", "flight.altitude_m"]
+    paths += [f"{kind}.{wing.structure.material}" for kind in ("material", "laminate")] + ["flight.altitude_m"]
     paths += [f"mass.{i.name}.m_kg" for i in _fuel(aircraft)]
     for item in _pods(aircraft):
         paths += [f"mass.{item.name}.{key}" for key in ("m_kg", "x_m", "z_m")]
@@ -74,12 +76,16 @@ def box_geometry(aircraft, weights, tables) -> BoxGeometry:
         return weights @ jnp.append(jnp.interp(joint, s.y, values), values[-outboard:])
 
     place = jnp.stack([stations(s.x_le), stations(s.y), stations(s.z)], axis=1)
-    return BoxGeometry(place, stations(s.chord), stations(_thickness_ratio(aircraft)), tables=tables)
+    ratio = stations(_thickness_ratio(aircraft))
+    return BoxGeometry(place, stations(s.chord), ratio, tables=tables, incidence=stations(s.twist))
 
 
 def box_material(aircraft) -> Material:
     """Material of the box."""
     m = aircraft.wing_material()
+    if isinstance(m, Laminate):
+        ply = Ply(m.E1_Pa, m.E2_Pa, m.G12_Pa, m.nu12, m.Xt_Pa, m.Xc_Pa, m.Yt_Pa, m.Yc_Pa, m.S_Pa)
+        return laminated(ply, np.radians(m.angles_deg), m.rho_kg_m3)
     return Material(m.E_Pa, m.G_Pa, m.nu, m.rho_kg_m3, m.Fty_Pa, m.Fcy_Pa, m.Ftu_Pa, m.Fsu_Pa)
 
 

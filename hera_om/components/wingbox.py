@@ -8,6 +8,7 @@ import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.rotors import hub_ys
+from hera_om.aircraft.structure import Laminate
 from hera_om.components import arrays
 from hera_om.components.base import JaxComponent, Values
 from hera_om.components.box_arrays import (
@@ -21,7 +22,14 @@ from hera_om.components.box_arrays import (
     fuel_mass,
     rotor_spins,
 )
-from hera_om.physics.beam import deflection, first_of_each
+from hera_om.physics.aeroelastic import (
+    FlexibleWing,
+    at_constant_lift,
+    divergence_ratio,
+    elastic_loads,
+    flexibility,
+)
+from hera_om.physics.beam import BeamProperties, deflection, first_of_each
 from hera_om.physics.beam_loads import (
     Loads,
     SpanLoad,
@@ -39,6 +47,7 @@ from hera_om.physics.wingbox_bought import bought_box
 from hera_om.physics.wingbox_types import CRITERIA, PANELS, BoxGeometry, BoxLoads, box_centre, elastic_axis
 
 TRIMMED = ("pullup_", "cruise_")
+RIGID = 1e9  # MN m2: stiffness of the first sweep, before the box is sized
 UNCARRIED = 1e-6  # excess of the utilisation above which a station counts as not carrying its load
 PARTS = ("skins", "webs", "caps", "stringers", "ribs", "centre_section")
 SPANWISE = {
@@ -91,6 +100,7 @@ class WingBox(JaxComponent):
         """Loads of both trimmed cases in; mass, reserve factors and distributions out."""
         aircraft = self.options["aircraft"]
         weights = box_weights(aircraft)
+        self.criteria = ("Tsai-Wu", *CRITERIA[1:]) if isinstance(aircraft.wing_material(), Laminate) else CRITERIA
         self.constants = (weights, box_tables(aircraft, weights), np.asarray(self.options["remainder"]))
         self.statics = _outer_rotor(aircraft)
         for name, (value, units, desc) in _load_inputs(aircraft).items():
@@ -104,6 +114,18 @@ class WingBox(JaxComponent):
         self.add("CZ_alpha", val=6.0, units="1/rad", desc="slope of lift of the aircraft, for gusts")
         self.add("speed", val=150.0, units="m/s", desc="true airspeed of the trimmed cases")
         self._declare_results(aircraft.lattice.box_stations)
+        if aircraft.wing.structure.aeroelastic:
+            self._declare_stiffness(aircraft.lattice.box_stations)
+
+    def _declare_stiffness(self, stations: int) -> None:
+        """Stiffness out, and in again: a group connects the two, as it does the mass."""
+        strips = len(self._var_rel2meta["cruise_strip_edge"]["val"]) - 1
+        text = "lift of each strip of the wing (rows) by the incidence of each"
+        self.add("strip_lift_by_twist", val=np.zeros((strips, strips)), units="N/rad", desc=text)
+        for name, text in (("EI", "in bending up"), ("GJ", "in torsion")):
+            self.add(name, shape=(stations,), units="MN*m**2", desc=f"stiffness {text} by station")
+            rigid = np.full(stations, RIGID)
+            self.add(f"{name}_flying", val=rigid, units="MN*m**2", desc=f"stiffness {text} of the wing that is loaded")
 
     def _declare_results(self, stations: int) -> None:
         """Outputs."""
@@ -128,7 +150,7 @@ class WingBox(JaxComponent):
             self.add(name, shape=(stations,), units=units, desc=desc)
         panels = f"of {', '.join(PANELS)} (rows) by station"
         self.add("sizing_case", shape=(4, stations), desc=f"number of the sizing case {panels}; {', '.join(CASES)}")
-        self.add("sizing_criterion", shape=(4, stations), desc=f"what sizes {panels}: {', '.join(CRITERIA)}")
+        self.add("sizing_criterion", shape=(4, stations), desc=f"what sizes {panels}: {', '.join(self.criteria)}")
 
     @staticmethod
     def evaluate(aircraft: Any, statics: Any, constants: Any, inputs: Values) -> Values:
@@ -136,7 +158,10 @@ class WingBox(JaxComponent):
         weights, tables, remainder = constants
         structure, geometry = aircraft.wing.structure, box_geometry(aircraft, weights, tables)
         unit = _unit_loads(aircraft, geometry, inputs, statics)
-        cases = Loads(*(_case_matrix(aircraft, inputs) @ jnp.stack(v) for v in zip(*unit, strict=True)))
+        matrix = _case_matrix(aircraft, inputs)
+        cases, turning = Loads(*(matrix @ jnp.stack(v) for v in zip(*unit, strict=True))), jnp.zeros((1, 1))
+        if structure.aeroelastic:
+            cases, turning = _with_elastic_loads(geometry, inputs, unit, matrix, cases)
         concept, material = box_concept(aircraft), box_material(aircraft)
         areas = {"A_cap_root": structure.A_cap_root_m2, "A_stringer_root": structure.A_stringer_root_m2}
         model = box_model(geometry, material, concept, loads=BoxLoads(**cases._asdict()), **areas)
@@ -157,7 +182,8 @@ class WingBox(JaxComponent):
         weight = Loads(*(jnp.sum(jnp.stack(parts), axis=0) for parts in zip(*unit[3:6], strict=True)))
         beam = wing_beam(geometry, material, box.section, weight)
         bent = deflection(beam, shear=cases.V[0], bending=cases.M[0], torque=cases.T[0])
-        out |= {"w_tip": bent.w[-1], "twist_tip": bent.twist[-1], "bent": bent}
+        out |= {"w_tip": bent.w[-1], "twist_tip": bent.twist[-1], "bent": bent, "turning": turning}
+        out |= {"EI": 1e-6 * beam.EI, "GJ": 1e-6 * beam.GJ}
         out |= dict(zip(("omega_bending", "omega_torsion"), first_of_each(beam), strict=True))
         return out | {"box_y": geometry.leading_edge[:, 1], "case_loads": cases, "unit_loads": unit}
 
@@ -165,6 +191,10 @@ class WingBox(JaxComponent):
         """Copy results, unless a station cannot carry its load at any thickness."""
         self.last = out
         super().store(out, outputs)
+        ratio = divergence_ratio(np.asarray(out["turning"]))
+        if ratio < 1.0:
+            text = f"the wing diverges at {ratio:.3g} of the dynamic pressure of its loads"
+            raise om.AnalysisError(f"{self.pathname}: {text}; its torsional stiffness is too low")
         excess = np.asarray(out["worst_excess"])
         if np.max(excess) > UNCARRIED:
             station = int(np.argmax(excess))
@@ -174,8 +204,26 @@ class WingBox(JaxComponent):
             place = f"bay {station + 1} of {len(excess)} at y = {float(out['box_y'][station]):.2f} m"
             raise om.AnalysisError(
                 f"{self.pathname}: {place}: no allowed thickness carries the load; "
-                f"{PANELS[panel]}, {CRITERIA[criterion]} in {case}: utilisation {use[panel, criterion]:.3g}"
+                f"{PANELS[panel]}, {self.criteria[criterion]} in {case}: utilisation {use[panel, criterion]:.3g}"
             )
+
+
+def _with_elastic_loads(geometry: BoxGeometry, inputs: Values, unit: list[Loads], matrix, cases: Loads):
+    """Cases with what bending and twist add, over the shape of the wing in the cruise; and S G without trim.
+
+    Who does not fly is not turned: a case's share of the air loads is one or, on the ground, none.
+    """
+    axis, nothing = elastic_axis(geometry), jnp.zeros(geometry.chord.shape)
+    step = jnp.linalg.norm(jnp.diff(axis, axis=0), axis=1)
+    s = jnp.concatenate([jnp.zeros(1), jnp.cumsum(step)])
+    stiffness = (1e6 * inputs[f"{name}_flying"] for name in ("EI", "GJ"))
+    beam = BeamProperties(s, *stiffness, nothing, nothing, nothing)
+    wing = FlexibleWing(beam, axis, inputs["cruise_strip_edge"], inputs["cruise_strip_point"])
+    slope = inputs["strip_lift_by_twist"]
+    cruise = Loads(*(unit[0][i] + sum(unit[k][i] for k in (3, 4, 5)) for i in range(len(Loads._fields))))
+    more = elastic_loads(wing, at_constant_lift(slope), cases, cruise)
+    flown = (matrix[:, 0] + matrix[:, 1])[:, None]
+    return Loads(*(c + flown * m for c, m in zip(cases, more, strict=True))), slope @ flexibility(wing)
 
 
 def frozen_remainder(aircraft, m_primary: float) -> float:

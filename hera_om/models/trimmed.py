@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+import numpy as np
 import openmdao.api as om
 
 from hera_om.aircraft.definition import Aircraft
@@ -12,7 +13,7 @@ from hera_om.components.mass import MassProperties
 from hera_om.components.performance import Performance
 from hera_om.components.stability import Stability
 from hera_om.components.trim import Bounds, TrimBalance
-from hera_om.components.wingbox import WingBox
+from hera_om.components.wingbox import RIGID, WingBox
 from hera_om.models.trim_solver import SURROGATE_TOLERANCE, TOLERANCE, TrimNewton
 from hera_om.surrogates.surrogate_set import SurrogateSet
 
@@ -128,10 +129,25 @@ class TrimmedAircraft(om.Group):
         kg = {"units": "kg", "val": wing_structure(aircraft).mass_total_baseline_kg}
         copy = om.ExecComp("m_wing_relief = m_wing", m_wing=kg, m_wing_relief=kg)
         self.add_subsystem("relief", copy, promotes=["*"])
+        if wing_structure(aircraft).aeroelastic:
+            self._stiffness(aircraft)
         self.add_subsystem("wing_box", box, promotes_inputs=[*inputs, "m_wing_relief"], promotes_outputs=outputs)
         for name in (*LOAD_NAMES, *(ROTOR_NAMES if aircraft.rotor else ())):
             self.connect(name, f"wing_box.cruise_{name}")
             self.connect(f"pullup.{name}", f"wing_box.pullup_{name}")
+
+    def _stiffness(self, aircraft: Aircraft) -> None:
+        """Stiffness of the sized wing fed back to its loads, and the lattice's lift by twist."""
+        if not isinstance(self.options["aero"], str):
+            raise ValueError(f"{aircraft.name!r}: wing.structure.aeroelastic needs the lattice, not a surrogate")
+        rigid = {"units": "MN*m**2", "val": np.full(aircraft.lattice.box_stations, RIGID)}
+        values = {name: rigid for name in ("EI", "GJ", "EI_flying", "GJ_flying")}
+        copy = om.ExecComp(["EI_flying = EI", "GJ_flying = GJ"], has_diag_partials=True, **values)
+        self.add_subsystem("stiffness", copy)
+        for name in ("EI", "GJ"):
+            self.connect(f"wing_box.{name}" if not self.options["close_mass"] else name, f"stiffness.{name}")
+            self.connect(f"stiffness.{name}_flying", f"wing_box.{name}_flying")
+        self.connect("strip_lift_by_twist", "wing_box.strip_lift_by_twist")
 
 
 def has_box(aircraft: Aircraft) -> bool:

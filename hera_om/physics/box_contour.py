@@ -1,6 +1,7 @@
 """The closed box that two spars cut out of an airfoil: a polygon whose corners lie on the contour.
 
-Section axes: x aft of the leading edge, z up from the chord line, both along the chord; incidence is left out.
+Section axes: x aft of the leading edge, z up from the chord line, both along the chord. Incidence turns the loads
+instead, `wingbox_types.on_sections`.
 The loop runs up the front web, aft along the upper cover, down the rear web, forward along the lower cover.
 """
 

@@ -11,6 +11,7 @@ from hera_om.physics import buckling
 from hera_om.physics.box_contour import BoxShape, box_shape
 from hera_om.physics.box_section import box_members
 from hera_om.physics.box_smooth import SHARPNESS, log_smooth_max, smooth_max
+from hera_om.physics.laminate import bending_stress, compression_stress, flexure, shear_stress
 from hera_om.physics.wingbox_criteria import box_state, panel_use, rib_thickness
 from hera_om.physics.wingbox_mass import box_mass
 from hera_om.physics.wingbox_reserve import reserves
@@ -23,6 +24,7 @@ from hera_om.physics.wingbox_types import (
     CriticalStress,
     Material,
     box_centre,
+    on_sections,
 )
 
 ScalarLike = Float[Array, ""] | float | int
@@ -37,18 +39,14 @@ _T_LOWEST = 1e-5
 
 def _critical(shape: BoxShape, material: Material, concept: BoxConcept) -> CriticalStress:
     """Critical stress at unit thickness: skins between stringers, webs between ribs, ribs between covers."""
-
-    def stress(k, width):
-        return buckling.plate_stress(k, 1.0, width, modulus=material.E, poisson=material.nu)
-
-    phi, pitch = concept.rib_pitch / concept.stringer_pitch, concept.stringer_pitch
+    bent, pitch = flexure(material.E, material.nu, material.laminate), concept.stringer_pitch
     height = jnp.stack([shape.h_front, shape.h_rear])[:, None]
     return CriticalStress(
-        stress(buckling.k_compression(phi), pitch),
-        stress(buckling.k_shear(phi), pitch),
-        stress(buckling.K_BENDING_SSSS, height),
-        stress(buckling.k_shear(concept.rib_pitch / height), height),
-        stress(buckling.k_compression(shape.h_mean / shape.width), shape.width),
+        compression_stress(bent, concept.rib_pitch, pitch),
+        shear_stress(bent, concept.rib_pitch, pitch),
+        bending_stress(bent, buckling.K_BENDING_SSSS, height),
+        shear_stress(bent, concept.rib_pitch, height),
+        compression_stress(bent, shape.h_mean, shape.width),
     )
 
 
@@ -77,7 +75,8 @@ def box_model(
         pitch=concept.stringer_pitch,
     )
     axis = geometry.axis_fraction * geometry.chord
-    return BoxModel(shape, members, material, concept, loads, _critical(shape, material, concept), axis)
+    turned = on_sections(loads, geometry.incidence)
+    return BoxModel(shape, members, material, concept, turned, _critical(shape, material, concept), axis)
 
 
 def _log_use(log_t: Float[Array, "4 n"], model: BoxModel, sharpness: ScalarLike) -> Float[Array, "4 n"]:

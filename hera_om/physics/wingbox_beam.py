@@ -16,7 +16,8 @@ LEAST_MASS = 0.1  # kg/m: a wing whose weight is left out still has frequencies
 def wing_beam(geometry: BoxGeometry, material: Material, section: Section, weight: Loads) -> BeamProperties:
     """Beam along the elastic axis, clamped at the fuselage joint.
 
-    EI = E (I_xx - I_xz^2 / I_zz), bending up with the tip free to move aft (Megson, eq. 16.18); GJ = G J. Mass and
+    EI = E (I_xx - I_xz^2 / I_zz), bending up with the tip free to move aft (Megson, eq. 16.18), of the turned section:
+    the numerator over I_zz, I_xx I_zz - I_xz^2, stays, and I_zz turns as a tensor does; GJ = G J. Mass and
     its offset per length follow from the section loads of the weight at 1 g: -dV/ds = m g, -dT/ds = -m g e.
 
     Args:
@@ -41,9 +42,11 @@ def wing_beam(geometry: BoxGeometry, material: Material, section: Section, weigh
     mass = jnp.maximum(at_stations(per_bay), LEAST_MASS)
     moment = -at_stations(turning)
     inertia = jnp.square(moment) / mass + mass * jnp.square(GYRATION * geometry.chord)
+    c, turn = jnp.cos(geometry.incidence), jnp.sin(geometry.incidence)
+    I_zz = section.I_zz * c**2 + 2.0 * section.I_xz * turn * c + section.I_xx * turn**2
     return BeamProperties(
         s=jnp.concatenate([jnp.zeros(1), jnp.cumsum(step)]),
-        EI=material.E * (section.I_xx - jnp.square(section.I_xz) / section.I_zz),
+        EI=material.E * (section.I_xx * section.I_zz - jnp.square(section.I_xz)) / I_zz,
         GJ=material.G * section.torsion_constant,
         mass=mass,
         static_moment=moment,

@@ -6,12 +6,15 @@ from jax import lax
 from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.wingbox import evaluate_box
+from hera_om.physics.wingbox_criteria import box_state
+from hera_om.physics.wingbox_reserve import cover_compression
 from hera_om.physics.wingbox_types import BoxModel, BoxResult
 
 ScalarLike = Float[Array, ""] | float | int
 
-_MOST_REPAIRS = 8
+_MOST_REPAIRS = 40
 _AMPLE = 10.0  # a reserve factor above which nobody counts
+_ABOVE_LEAST = 1.05  # RFC of a station that is required nowhere and this far above the wing's may fall to that
 _EXCESS = 1e-6  # of a utilisation; and the loss of a reserve factor that counts as none
 
 
@@ -41,12 +44,14 @@ def round_up_to_increment(
 def bought_box(
     model: BoxModel, points: Float[Array, "n 3"], sized: BoxResult, *, increment: ScalarLike, max_step: ScalarLike
 ) -> BoxResult:
-    """The box of sheets and ribs that can be bought: no sheet over a limit, no reserve in tension below the sized one.
+    """The box of sheets and ribs that can be bought: no sheet over a limit, no reserve factor below the sized one.
 
-    `round_up_to_increment`; then, where a criterion is over its limit or RFT has fallen (a thicker sheet moves
-    centroid and shear centre), all four sheets of the station one increment thicker, with the steps limited again,
-    until nothing has. RFC rises too where yield bounds it; where the column does, thicker skin loads the same
-    stringer with more of itself, and RFC can fall: no sheet repairs that, and it stands in the result.
+    `round_up_to_increment`; then, until nothing has got worse and with the steps limited again, one increment more
+    for all four sheets of a station where a criterion is over its limit or RFT has fallen (a thicker sheet moves
+    centroid and shear centre), and for all but one where RFC has fallen. That one is the cover whose members are
+    pressed most: its own thicker skin takes load from the caps and loads its stringers, which gain area and hardly
+    stiffness, with more of itself; thicker webs and the other cover take stress off them. A station that has more
+    RFC than is required, and than the wing has, may come down to that.
 
     Args:
         model: the box and its loads.
@@ -68,9 +73,17 @@ def bought_box(
     def evaluated(bought: Float[Array, "4 n"]) -> BoxResult:
         return evaluate_box(model, points, bought, t_rib=buy(jnp.stack([sized.t_rib]))[0])
 
-    def worse(found: BoxResult) -> Bool[Array, "n"]:
-        before = jnp.minimum(sized.RFT_span, _AMPLE)
-        return (found.RFT_span < (1.0 - _EXCESS) * before) | (found.worst_excess > _EXCESS)
+    def fallen(now: Float[Array, "n"], before: Float[Array, "n"], ample: ScalarLike) -> Bool[Array, "n"]:
+        return now < (1.0 - _EXCESS) * jnp.minimum(before, ample)
+
+    enough = jnp.maximum(model.concept.reserve, _ABOVE_LEAST * sized.RFC)
+
+    def thin(found: BoxResult, bought: Float[Array, "4 n"]) -> Bool[Array, "4 n"]:
+        """Sheets that ask for one increment more."""
+        every = fallen(found.RFT_span, sized.RFT_span, _AMPLE) | (found.worst_excess > _EXCESS)
+        pressed = jnp.max(cover_compression(model, box_state(model, bought), bought), axis=(0, 2, 3))
+        spared = jnp.zeros(bought.shape, bool).at[:2].set(pressed == jnp.max(pressed, axis=0))
+        return every | (fallen(found.RFC_span, sized.RFC_span, enough) & ~spared)
 
     def unfinished(state: tuple) -> Bool[Array, ""]:
         _, bad, count, _ = state
@@ -80,8 +93,7 @@ def bought_box(
         bought, bad, count, _ = state
         thicker = buy(bought + increment * bad)
         found = evaluated(thicker)
-        return thicker, worse(found), count + 1, found
+        return thicker, thin(found, thicker), count + 1, found
 
-    whole = jnp.zeros(t.shape[1], bool)
-    *_, found = lax.while_loop(unfinished, repair, (t, whole, jnp.asarray(0), sized))
+    *_, found = lax.while_loop(unfinished, repair, (t, jnp.zeros(t.shape, bool), jnp.asarray(0), sized))
     return found

@@ -10,7 +10,8 @@ from hera_om.physics import buckling
 from hera_om.physics.box_contour import COVER_POINTS, WEBS
 from hera_om.physics.box_section import Section, ShearFlow, section_properties, shear_flow
 from hera_om.physics.box_smooth import positive_part, smooth_below, smooth_max
-from hera_om.physics.wingbox_types import BoxModel
+from hera_om.physics.laminate import shear_use
+from hera_om.physics.wingbox_types import BoxModel, strength_across
 
 ScalarLike = Float[Array, ""] | float | int
 
@@ -83,16 +84,20 @@ def _direct_share(stress: Float[Array, "..."], allowable: ScalarLike, reserve: S
     return smooth_below(share, DIRECT_SHARE / reserve, SMOOTH_WIDTH)
 
 
-def _von_mises_use(state: BoxState, model: BoxModel) -> Float[Array, "4 point case n"]:
-    """Utilisation in von Mises stress, tension against F_tu and compression against F_cy, along axis 1.
+def strength_use(state: BoxState, model: BoxModel) -> Float[Array, "4 _ case n"]:
+    """Utilisation in strength, pulled and pressed along axis 1: by von Mises, or of every ply by Tsai and Wu.
 
-    s^2 + 3 tau^2 = (F / RF)^2 is asked as sqrt(3) tau over the sqrt((F / RF)^2 - s^2) left to it: one at
-    the same thickness, but never flat where bending takes most of the allowable, which Newton's method
-    would not stand.
+    s^2 + 3 tau^2 = (F / RF)^2 is asked as sqrt(3) tau over the sqrt((F / RF)^2 - s^2) left to it, and Tsai and Wu
+    alike: one at the same thickness, but never flat where bending takes most of the allowable, which Newton's
+    method would not stand. What a direct stress adds to the shear strength of a ply is not counted.
     """
     material, reserve = model.material, model.concept.reserve
     pulled = _direct_share(state.direct, material.F_tu, reserve)
     pressed = _direct_share(-state.direct, material.F_cy, reserve)
+    if material.laminate is not None:
+        direct = jnp.concatenate([material.F_tu * pulled, -material.F_cy * pressed], axis=1)
+        plies = shear_use(material.laminate, reserve * direct, reserve * jnp.concatenate([state.shear] * 2, axis=1))
+        return jnp.concatenate(list(plies), axis=1)
     left = jnp.sqrt(1.0 - jnp.square(reserve * jnp.concatenate([pulled, pressed], axis=1)))
     shares = jnp.concatenate([state.shear / material.F_tu, state.shear / material.F_cy], axis=1)
     return reserve * buckling.von_mises(0.0, 0.0, shares) / left
@@ -131,11 +136,11 @@ def cover_crushing_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"])
     """Utilisation of the skins by Brazier's pressure between the stringers: chordwise bending against yield.
 
     A long strip clamped at two stringers, s_b = p b^2 / (2 t^2) (Timoshenko & Woinowsky-Krieger, Theory of Plates
-    and Shells, art. 1-3). p grows with the square of the load, so the factor on the load is sqrt(F_cy / s_b).
+    and Shells, art. 1-3). p grows with the square of the load, so the factor on the load is sqrt(F / s_b).
     """
     pressure = crushing_pressure(model, state, t)
     bending = 0.5 * pressure * jnp.square(model.concept.stringer_pitch / t[:2, None, None])
-    return model.concept.reserve * jnp.sqrt(bending / model.material.F_cy + 1e-12)
+    return model.concept.reserve * jnp.sqrt(bending / strength_across(model.material) + 1e-12)
 
 
 def panel_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> tuple[Float[Array, "4 _ _ n"], ...]:
@@ -153,7 +158,7 @@ def panel_use(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> tuple
     unstable = jnp.concatenate([cover_buckling_use(model, state, t), webs.at[:, 2:].set(0.0)])
     crushed = cover_crushing_use(model, state, t)
     gauge = (model.concept.t_min / t)[:, None, None]
-    return _von_mises_use(state, model), unstable, jnp.concatenate([crushed, 0.0 * crushed]), gauge
+    return strength_use(state, model), unstable, jnp.concatenate([crushed, 0.0 * crushed]), gauge
 
 
 def crushing_pressure(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 point case n"]:

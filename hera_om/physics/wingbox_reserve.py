@@ -45,6 +45,13 @@ def column_stress(model: BoxModel, t_skin: Float[Array, "2 n"]) -> Float[Array, 
     return buckling.johnson_euler_stress(jnp.sqrt(length_square * area / inertia), f_cc, modulus=material.E)
 
 
+def cover_compression(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 2 point case n"]:
+    """Compressive stress over its allowable, of caps and of stringers (first axis) on either cover."""
+    pressed = positive_part(-state.direct[:2] / model.material.F_cy, SMOOTH_WIDTH)
+    column = column_stress(model, t[:2])[:, None, None] / model.material.F_cy
+    return jnp.stack([pressed, pressed / column])
+
+
 def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike) -> Reserves:
     """RFT and RFC of caps and stringers: allowable over LIMIT stress, required 1.5.
 
@@ -64,11 +71,10 @@ def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness
     """
     material = model.material
     pulled = positive_part(state.direct[:2] / material.F_tu, SMOOTH_WIDTH)
-    pressed = positive_part(-state.direct[:2] / material.F_cy, SMOOTH_WIDTH)
-    column = column_stress(model, t[:2])[:, None, None] / material.F_cy
+    compression = cover_compression(model, state, t)
     use_tension = smooth_max(pulled, (0, 1, 2), sharpness)
-    use_compression = smooth_max(jnp.stack([pressed, pressed / column]), (0, 1, 2, 3), sharpness)
-    yielding = jnp.stack([pulled * material.F_tu / material.F_ty, pressed])
+    use_compression = smooth_max(compression, (0, 1, 2, 3), sharpness)
+    yielding = jnp.stack([pulled * material.F_tu / material.F_ty, compression[0]])
     return Reserves(
         1.0 / use_tension,
         1.0 / use_compression,

@@ -3,10 +3,12 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 from hera_om.physics.box_contour import BoxShape
 from hera_om.physics.box_section import BoxMembers, Section
+from hera_om.physics.laminate import Laminate, Ply, make_laminate, moduli, strength
 
 ScalarLike = Float[Array, ""] | float | int
 
@@ -15,7 +17,10 @@ CRITERIA = ("von Mises", "buckling", "crushing", "minimum gauge")
 
 
 class Material(NamedTuple):
-    """Isotropic material: moduli and strengths in Pa, density in kg/m3."""
+    """Material of all parts: moduli and strengths in Pa, density in kg/m3; isotropic without a laminate.
+
+    Axis x of a laminate runs along the span in covers, webs and members, upright in ribs.
+    """
 
     E: ScalarLike
     G: ScalarLike
@@ -25,6 +30,7 @@ class Material(NamedTuple):
     F_cy: ScalarLike
     F_tu: ScalarLike
     F_su: ScalarLike
+    laminate: Laminate | None = None
 
 
 class BoxConcept(NamedTuple):
@@ -44,7 +50,7 @@ class BoxGeometry(NamedTuple):
 
     ``axis_fraction`` is the chord fraction of the axis about which the torque is given, on the chord line; 0.35 is
     near the shear centre of a box between 0.15 and 0.62. ``tables`` are the contours, `core.contours.contour_table`
-    of each station; absent: the symmetric NACA form.
+    of each station; absent: the symmetric NACA form. ``incidence``, rad, turns the sections nose-up about that axis.
     """
 
     leading_edge: Float[Array, "n 3"]
@@ -52,6 +58,7 @@ class BoxGeometry(NamedTuple):
     thickness_ratio: Float[Array, "n"]
     axis_fraction: ScalarLike = 0.35
     tables: Float[Array, "n 4 p"] | None = None
+    incidence: Float[Array, "n"] | ScalarLike = 0.0
 
 
 class BoxLoads(NamedTuple):
@@ -160,6 +167,35 @@ def _at_fraction(geometry: BoxGeometry, fraction: ScalarLike) -> Float[Array, "n
     return geometry.leading_edge.at[:, 0].add(fraction * geometry.chord)
 
 
+def on_sections(loads: BoxLoads, incidence: Float[Array, "n"] | ScalarLike) -> BoxLoads:
+    """Loads on the axes of sections turned nose-up, from those on geometry axes: forces and moments turn back alike."""
+    c, s = jnp.cos(incidence), jnp.sin(incidence)
+    up, aft = loads.V * c + loads.H * s, loads.H * c - loads.V * s
+    return BoxLoads(up, loads.M * c - loads.Mz * s, loads.T, aft, loads.Mz * c + loads.M * s)
+
+
 def stack_cases(*cases) -> BoxLoads:
     """Loads of several cases (anything with V, M, T of shape [n]) as one structure."""
     return BoxLoads(*(jnp.stack([getattr(case, name) for case in cases]) for name in BoxLoads._fields))
+
+
+def laminated(ply: Ply, angles: np.ndarray, density: ScalarLike) -> Material:
+    """Material of equivalent stiffness of a laminate; its strengths are those at which the first ply fails.
+
+    Args:
+        ply: elastic constants and strengths.
+        angles: of the plies from a face to the middle plane, rad [k].
+        density: kg/m3.
+    """
+    made = make_laminate(ply, angles)
+    along, _, shear, poisson = moduli(made)
+    tension, compression = (strength(made, sign * np.array([1.0, 0.0, 0.0])) for sign in (1.0, -1.0))
+    sheared = jnp.minimum(*(strength(made, sign * np.array([0.0, 0.0, 1.0])) for sign in (1.0, -1.0)))
+    return Material(along, shear, poisson, density, tension, compression, tension, sheared, made)
+
+
+def strength_across(material: Material) -> ScalarLike:
+    """Strength in bending across the stringers, Pa: F_cy, or the weaker sign along y of a laminate."""
+    if material.laminate is None:
+        return material.F_cy
+    return jnp.minimum(*(strength(material.laminate, sign * np.array([0.0, 1.0, 0.0])) for sign in (1.0, -1.0)))

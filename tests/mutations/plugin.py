@@ -5,6 +5,7 @@ test in a process of its own with this plugin and expects it to fail.
 """
 
 import importlib
+import inspect
 import os
 from typing import NamedTuple
 
@@ -132,6 +133,35 @@ def _first_column(old):
         return jnp.zeros_like(old(knots, cells, x)).at[..., 0].set(1.0)
 
     return weights
+
+
+def _isotropic_plate(old):
+    def affine(f):
+        return old(f._replace(across=f.along, mixed=f.along))
+
+    return affine
+
+
+def _unswept_axis(old):
+    def frame(axis):
+        return old(axis * jnp.array([0.0, 1.0, 1.0]))
+
+    return frame
+
+
+def _unanswered(old):
+    def loads(wing, slope, *rest):
+        return old(wing, 0.0 * slope, *rest)
+
+    return loads
+
+
+def _other_cover(old):
+    def use(*args):
+        caller = inspect.stack()[1].function
+        return -old(*args) if caller == "thin" else old(*args)
+
+    return use
 
 
 def _half_factors(old):
@@ -431,6 +461,52 @@ MUTATIONS = {
         ("box_section:section_properties", "box_section:shear_flow"),
         _without_rear_spar,
         PHYSICS + "test_box_section.py::test_sections_against_finite_elements[root_43018]",
+        True,
+    ),
+    "tsai_wu_without_interaction": Mutation(
+        "interaction of stresses along and across the fibres",
+        ("laminate:INTERACTION",),
+        0.0,
+        PHYSICS + "test_laminate.py::test_first_ply_failure_as_printed",
+    ),
+    "tsai_wu_off_in_the_sheets": Mutation(
+        "failure of plies in shear",
+        ("laminate:shear_use",),
+        lambda laminate, direct, shear: 1e-3 + 0.0 * laminate.linear[:, :1, None, None, None] * direct,
+        PHYSICS + "test_laminate.py::test_torsion_alone_asks_for_the_shear_strength_of_the_ply",
+    ),
+    "orthotropy_off_in_plates": Mutation(
+        "twisting stiffness of orthotropic plates",
+        ("laminate:_affine",),
+        _isotropic_plate,
+        PHYSICS + "test_laminate.py::test_compression_of_a_specially_orthotropic_plate[1.3]",
+        True,
+    ),
+    "sweep_off_in_the_elastic_wing": Mutation(
+        "incidence that a bent swept wing loses",
+        ("aeroelastic:axis_frame",),
+        _unswept_axis,
+        PHYSICS + "test_aeroelastic.py::test_sweep_back_relieves_and_sweep_forward_loads",
+        True,
+    ),
+    "twist_does_not_lift": Mutation(
+        "lift by the twist of an elastic wing",
+        ("aeroelastic:elastic_loads",),
+        _unanswered,
+        PHYSICS + "test_aeroelastic.py::test_twist_of_a_straight_wing[0.7]",
+        True,
+    ),
+    "section_not_turned": Mutation(
+        "incidence of the sections of the box",
+        ("wingbox_types:on_sections",),
+        lambda loads, incidence: loads,
+        PHYSICS + "test_box_section.py::test_a_turned_section_by_hand[0.08]",
+    ),
+    "wrong_cover_spared": Mutation(
+        "which cover is not thickened for the sake of its stringers",
+        ("wingbox_reserve:cover_compression",),
+        _other_cover,
+        PHYSICS + "test_wingbox.py::test_no_random_wing_that_is_bought_has_a_lower_reserve",
         True,
     ),
     "relief_off_in_the_mass": Mutation(

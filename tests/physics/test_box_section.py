@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from hera_om.core.contours import contour_table
-from hera_om.physics.box_contour import CORNERS, LOWER, SEGMENT_PANEL, UPPER, BoxShape, box_shape
+from hera_om.physics.beam_loads import Loads
+from hera_om.physics.box_contour import CORNERS, COVER_POINTS, LOWER, SEGMENT_PANEL, UPPER, BoxShape, box_shape
 from hera_om.physics.box_section import (
     BoxMembers,
     box_members,
@@ -16,6 +17,10 @@ from hera_om.physics.box_section import (
     shear_flow,
     z_stringer,
 )
+from hera_om.physics.wingbox import box_model
+from hera_om.physics.wingbox_beam import wing_beam
+from hera_om.physics.wingbox_criteria import box_state
+from hera_om.physics.wingbox_types import BoxConcept, BoxGeometry, BoxLoads, Material, on_sections
 
 W, H = 1.2, 0.4
 # Airfoil, chord, t/c, spars, sheets, members; as in tests/reference/box_sections.py.
@@ -206,3 +211,43 @@ def test_derivatives_of_properties_and_flow(check_derivatives):
 
     # The curvature of the table's cubics jumps at its points: short steps for the spars.
     check_derivatives(outputs, [1.03, 0.98, 1.02, 0.97, 1.05, 1.1, 0.9, 1.04], relative_step=3e-4)
+
+
+@pytest.mark.parametrize("incidence", [0.0, 0.08, -0.5])
+def test_a_turned_section_by_hand(incidence):
+    """Polygon of sheets turned nose-up in numpy, stresses by Megson's eq. 16.18 on geometry axes, and stiffness."""
+    chord, ratio, t = 2.5, 0.16, np.array([0.004, 0.003, 0.005, 0.006])
+    case = {"V": 0.0, "M": 4e5, "T": 0.0, "H": 0.0, "Mz": -1.5e5}
+    loads = BoxLoads(**{k: jnp.full((1, 2), v) for k, v in case.items()})
+    edge = jnp.asarray([[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]])
+    tables = jnp.asarray(np.stack([contour_table("NACA 4415")] * 2))
+    how = {"tables": tables, "incidence": jnp.full(2, incidence)}
+    geometry = BoxGeometry(edge, jnp.full(2, chord), jnp.full(2, ratio), **how)
+    metal = Material(7e10, 2.7e10, 0.3, 2800.0, 4e8, 4e8, 5e8, 3e8)
+    concept = BoxConcept(0.15, 0.62, 0.6, 0.15, 0.001)
+    model = box_model(geometry, metal, concept, loads=loads, A_cap_root=1e-12, A_stringer_root=1e-15)
+    state = box_state(model, jnp.asarray(t)[:, None] * jnp.ones(2))
+    x, z = np.asarray(model.shape.x[:, 0]) - 0.35 * chord, np.asarray(model.shape.z[:, 0])
+    x, z = x * np.cos(incidence) + z * np.sin(incidence), z * np.cos(incidence) - x * np.sin(incidence)
+    x2, z2 = np.roll(x, -1), np.roll(z, -1)
+    area = t[SEGMENT_PANEL] * np.hypot(x2 - x, z2 - z)
+    xc, zc = area @ (x + x2) / 2 / area.sum(), area @ (z + z2) / 2 / area.sum()
+    x, z, x2, z2 = x - xc, z - zc, x2 - xc, z2 - zc
+    xx, zz = area @ (z * z + z * z2 + z2 * z2) / 3, area @ (x * x + x * x2 + x2 * x2) / 3
+    xz = area @ (2 * (x * z + x2 * z2) + x * z2 + x2 * z) / 6
+    b, c = np.linalg.solve([[zz, xz], [xz, xx]], [case["Mz"], -case["M"]])
+    np.testing.assert_allclose(state.direct[:2, :, 0, 0], (b * x + c * z)[COVER_POINTS], rtol=1e-6)
+    weight = Loads(*(jnp.asarray([100.0, 0.0]) for _ in Loads._fields))
+    beam = wing_beam(geometry, metal, state.section, weight)
+    np.testing.assert_allclose(beam.EI[0], metal.E * (xx - xz**2 / zz), rtol=1e-6)
+
+
+def test_forces_and_torque_turn_with_the_section():
+    """Loads that turn with the section stress it as before: by a vector's own rotation, nose-up about +y."""
+    i, random = 0.3, np.random.default_rng(4)
+    v, m, t, h, mz = random.normal(size=(5, 1, 3))
+    turn = np.array([[np.cos(i), 0, np.sin(i)], [0, 1, 0], [-np.sin(i), 0, np.cos(i)]])  # nose up: aft goes down
+    force, moment = (np.stack([a, 0 * a, b]) for a, b in ((h, v), (m, mz)))
+    force, moment = (np.einsum("ij,jcn->icn", turn, w) for w in (force, moment))
+    turned = on_sections(BoxLoads(force[2], moment[0], t, force[0], moment[2]), i)
+    np.testing.assert_allclose(np.stack(turned), np.stack([v, m, t, h, mz]), atol=1e-12)

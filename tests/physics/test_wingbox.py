@@ -425,10 +425,28 @@ def test_what_can_be_bought_has_no_lower_reserve_anywhere(wing, material, dry, m
     assert 0.0 < float(real.m_primary - smooth.m_primary) < 0.15 * float(smooth.m_primary)
 
 
+def test_no_random_wing_that_is_bought_has_a_lower_reserve(wing, material):
+    """Slender stringers and stout caps among them, where thicker skin loads the stringers with more of itself."""
+    cases = [flight_case(wing, n, fuel=fuel) for n, fuel in ((2.5, 0.0), (2.5, 1650.0), (-1.0, 1650.0), (1.0, 0.0))]
+    loads, centre, random = stack_cases(*cases), box_centre(wing, CONCEPT), np.random.default_rng(0)
+    for _ in range(15):
+        cap, stringer = random.uniform(1e-3, 5e-3), random.uniform(1e-4, 6e-4)
+        v, m, t = random.uniform(0.3, 1.8, 3)
+        increment, max_step = random.choice([1e-4, 2e-4, 5e-4]), random.choice([5e-4, 1e-3, 1.0])
+        some = loads._replace(V=loads.V * v, M=loads.M * m, T=loads.T * 3 * t)
+        model = box_model(wing, material, CONCEPT, loads=some, A_cap_root=cap, A_stringer_root=stringer)
+        smooth, real = _smooth_and_bought(model, centre, max_step, increment)
+        assert float(jnp.max(real.worst_excess)) < 1e-6
+        for name, enough in (("RFC", max(1.5, 1.05 * float(smooth.RFC))), ("RFT", 10.0)):
+            before, after = (np.minimum(getattr(b, f"{name}_span"), enough) for b in (smooth, real))
+            assert np.all(after > before * (1 - 2e-6)), (name, cap, stringer, increment, max_step)
+            assert float(getattr(real, name)) > (1 - 2e-6) * float(getattr(smooth, name))
+
+
 @jax.jit
-def _smooth_and_bought(model, centre, max_step):
+def _smooth_and_bought(model, centre, max_step, increment=1e-4):
     smooth = evaluate_box(model, centre, solve_thickness(model))
-    return smooth, bought_box(model, centre, smooth, increment=1e-4, max_step=max_step)
+    return smooth, bought_box(model, centre, smooth, increment=increment, max_step=max_step)
 
 
 MUTATIONS = {
