@@ -178,15 +178,15 @@ def secondary_structure(facts: WingFacts, areas: SecondaryAreas, flaps: Flaps) -
     moved = FLAP * SUPPORTS[flaps.support] * SLOTS[flaps.slots]
     # A wing without ailerons has none to weigh: the power of their area must not meet zero.
     share = jnp.maximum(jnp.asarray(areas.ailerons, float), 1e-9) / S_REF
-    found = [
+    found = (
         LEADING * unit * (facts.q_D / Q_REF) ** LEADING_Q * size**LEADING_WB * areas.leading,
         TRAILING * unit * size**TRAILING_WB * areas.trailing + travelling * areas.above_flaps,
         moved * unit * (1.0 + (weight / W_REF) ** FLAP_W) * areas.flaps,
         AILERON * AILERON_BALANCE * unit * share**AILERON_S * areas.ailerons,
         TIPS / STANDARD_GRAVITY * (weight / W_REF) ** TIPS_W,
-    ]
-    parts = [jnp.asarray(part) for part in found]
-    return Secondary(*parts, MISCELLANEOUS * jnp.sum(jnp.stack(parts)))
+    )
+    edge, rear, movable, aileron, tips = (jnp.asarray(part) for part in found)
+    return Secondary(edge, rear, movable, aileron, tips, MISCELLANEOUS * (edge + rear + movable + aileron + tips))
 
 
 def total(parts: Penalties | Secondary) -> Float[Array, ""]:

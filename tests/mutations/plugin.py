@@ -155,6 +155,7 @@ def _nothing(old):
 PHYSICS = "tests/physics/"
 BLOWN = f"{PHYSICS}test_aerodynamics.py::"
 TUNNEL = "tests/components/test_propeller_wing.py::"
+PENALISED = "tests/components/test_wingbox_component.py::test_a_wing_without_a_given_share_is_built_up"
 SLIPSTREAMS = ("coupling:mean_slipstreams",)
 MUTATIONS = {
     "slipstream_off": Mutation(
@@ -451,6 +452,44 @@ MUTATIONS = {
         ("gust:KUESSNER",),
         np.array([[0.0, 0.13], [0.0, 1.0]]),
         PHYSICS + "test_load_cases.py::test_alleviation_is_pratts_at_his_gradient[20.0]",
+    ),
+    "net_section_off": Mutation(
+        "holes and notches of fasteners in tension",
+        ("wingbox_criteria:tension_allowable",),
+        lambda material: material.F_tu,
+        PHYSICS + "test_wingbox.py::test_reserves_are_allowable_over_limit_stress",
+    ),
+    "cap_crippling_off": Mutation(
+        "crippling of thin caps",
+        ("buckling:NEEDHAM_FACTOR",),
+        1e3,
+        PHYSICS + "test_wingbox.py::test_thin_caps_cripple_before_they_yield",
+    ),
+    "penalties_off": Mutation(
+        "joints, holes, attachments and stiffness in the mass of the wing",
+        ("wing_build_up:box_penalties",),
+        _nothing,
+        PENALISED,
+        True,
+    ),
+    "secondary_structure_off": Mutation(
+        "secondary structure in the mass of the wing",
+        ("wing_build_up:secondary_structure",),
+        _nothing,
+        PENALISED,
+        True,
+    ),
+    "wing_stiffness_off": Mutation(
+        "penalty for torsional stiffness",
+        ("wing_build_up:STIFFNESS",),
+        0.0,
+        PHYSICS + "test_wing_build_up.py::test_torenbeeks_older_equations_ask_for_as_much",
+    ),
+    "joints_off": Mutation(
+        "penalty for joints",
+        ("wing_build_up:JOINTS",),
+        0.0,
+        PHYSICS + "test_wing_build_up.py::test_torenbeeks_older_equations_ask_for_as_much",
     ),
     "gyroscopes_off": Mutation(
         "gyroscopic moment of rotors",
