@@ -151,7 +151,7 @@ def draw_reserves(component, bounds):
 def table(box: dict[str, Any]) -> list[str]:
     """Masses, reserve factors, centre and inertia."""
     lines = [f"{part.replace('_', ' '):24}{float(box[f'm_{part}']):10.1f} kg" for part in PARTS]
-    names = ("m_primary", "m_secondary", "m_leading_edge", "m_remainder", "m_wing", "m_wing_rounded")
+    names = ("m_primary", "m_penalties", "m_secondary", "m_leading_edge", "m_remainder", "m_wing", "m_wing_rounded")
     lines += [f"{name:24}{float(box[name]):10.1f} kg" for name in names]
     lines += [f"{name:24}{float(box[name]):10.3f}" for name in ("RFC", "RFT", "RF_yield", "RFC_rounded", "RFT_rounded")]
     lines.append(f"{'centre of one half':24}" + " ".join(f"{float(v):9.3f}" for v in box["cg"]) + " m")

@@ -3,7 +3,7 @@
 import tomllib
 from functools import lru_cache
 from importlib import resources
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -28,10 +28,21 @@ class WingStructure(Part):
     aeroelastic: bool = item(
         "whether bending and twist of the wing, over its shape in the cruise, change its loads", False
     )
-    primary_fraction: float = number("share of sized primary structure in what it stands for", gt=0, le=1)
+    primary_fraction: float | None = number(
+        "share of sized primary structure in what it stands for; absent: what is beside it is built up",
+        "",
+        None,
+        gt=0,
+        le=1,
+    )
+    flap_slots: int = number("slots of the flaps, 1 or 2: elements that move beside each other", "", 1, ge=1, le=2)
+    flap_support: Literal["hinge", "link", "track"] = item(
+        "what the flaps hang on; they travel unless it is a hinge", "hinge"
+    )
+    gear_on_wing: bool = item("whether the main gear hangs on the wing or its nacelles", False)
     mass_total_baseline_kg: float = number("mass of the whole wing at the baseline", "kg", gt=0)
     mass_remainder_kg: float | None = number(
-        "mass beside sized primary / primary_fraction, frozen; absent: computed once at the baseline",
+        "mass beside what is sized and built up, frozen; absent: computed once at the baseline",
         "kg",
         None,
     )

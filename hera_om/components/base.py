@@ -54,8 +54,9 @@ class JaxComponent(om.ExplicitComponent):
         self.paths: dict[str, str] = {}
         self._add_variables(aircraft)
         self.declare()
-        if self._var_rel_names["input"]:
-            self.declare_partials("*", "*")
+        smooth = [name for name in self._var_rel_names["output"] if name not in self.PIECEWISE]
+        if self._var_rel_names["input"] and smooth:
+            self.declare_partials(smooth, "*")
         if kept():
             self.begin()
 

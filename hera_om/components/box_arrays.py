@@ -39,7 +39,7 @@ def box_reads(aircraft) -> tuple[str, ...]:
     paths += [f"rotor.{r.name}.{key}" for r in aircraft.rotor for key in ROTOR_KEYS]
     paths += [f"{kind}.{wing.structure.material}" for kind in ("material", "laminate")] + ["flight.altitude_m"]
     paths += [f"mass.{i.name}.m_kg" for i in _fuel(aircraft)]
-    for item in _pods(aircraft):
+    for item in pods(aircraft):
         paths += [f"mass.{item.name}.{key}" for key in ("m_kg", "x_m", "z_m")]
         paths += [f"rotor.{item.tracks.removeprefix(ROTOR)}.{key}" for key in ("y_m", "spacing_m")]
     return tuple(paths)
@@ -126,7 +126,7 @@ def carried_masses(aircraft, edges, wing_mass) -> Carried:
     if fuel:
         strips = tank.y0_m + (tank.y1_m - tank.y0_m) * jnp.linspace(0.0, 1.0, TANK_STRIPS + 1)
         tanks.append(_spread(aircraft, sum(i.m_kg for i in fuel), strips))
-    for item in _pods(aircraft):
+    for item in pods(aircraft):
         group = next(r for r in aircraft.rotor if r.name == item.tracks.removeprefix(ROTOR))
         places = [(item.x_m, y, item.z_m) for y in hub_ys(group)]
         points = jnp.stack([jnp.stack([jnp.asarray(v, float) for v in p]) for p in places])
@@ -167,6 +167,6 @@ def _fuel(aircraft):
     return [i for i in aircraft.mass if i.tracks == "fuel"] if aircraft.wing.fuel_tank is not None else []
 
 
-def _pods(aircraft):
+def pods(aircraft):
     """Items that hang on the wing at the hubs of a rotor group."""
     return [i for i in aircraft.mass if (i.tracks or "").startswith(ROTOR)]

@@ -9,7 +9,7 @@ import openmdao.api as om
 from hera_om.aircraft.definition import Aircraft
 from hera_om.aircraft.rotors import hub_ys
 from hera_om.aircraft.structure import Laminate
-from hera_om.components import arrays
+from hera_om.components import arrays, build_up
 from hera_om.components.base import JaxComponent, Values
 from hera_om.components.box_arrays import (
     box_concept,
@@ -74,9 +74,10 @@ class WingBox(JaxComponent):
     load it. Relief: wing mass ``m_wing_relief`` (a group connects it to ``m_wing``), half the fuel items at their
     mass in the definition when there is a tank, and the items that track a rotor group.
 
-    ``m_wing`` is primary structure / primary_fraction + remainder: the definition's ``mass_remainder_kg``,
-    else the option ``remainder``, else none. It is frozen at the baseline: `frozen_remainder` gives the value
-    for the option. ``m_wing_rounded`` is the same with the sheets that can be bought.
+    ``m_wing`` is what is sized and built up, `build_up.wing_mass`, + remainder: the definition's
+    ``mass_remainder_kg``, else the option ``remainder``, else none. It is frozen at the baseline:
+    `frozen_remainder` gives the value for the option. ``m_wing_rounded`` is the same with the sheets that can be
+    bought.
 
     ``last`` holds everything of the last evaluation by name, for pictures and diagnosis.
     """
@@ -87,13 +88,13 @@ class WingBox(JaxComponent):
         """Declare the options."""
         super().initialize()
         self.options.declare("aircraft", types=Aircraft, check_valid=_complete, desc="definition of the aircraft")
-        text = "mass beside primary / primary_fraction where the definition has no mass_remainder_kg [kg]"
+        text = "mass beside what is sized where the definition has no mass_remainder_kg [kg]"
         self.options.declare("remainder", 0.0, types=float, desc=text)
         self.last: Values = {}
 
     def setup(self) -> None:
         """Read no more of the definition than the box depends on."""
-        self.READS = box_reads(self.options["aircraft"])
+        self.READS = (*box_reads(self.options["aircraft"]), *build_up.READS)
         super().setup()
 
     def declare(self) -> None:
@@ -135,9 +136,10 @@ class WingBox(JaxComponent):
         for part in PARTS:
             self.add(f"m_{part}", units="kg", desc=f"mass of the {part.replace('_', ' ')} of the sized box")
         self.add("m_primary", units="kg", desc="mass of the sized primary structure of the wing")
-        self.add("m_secondary", units="kg", desc="mass that goes with the primary structure, by primary_fraction")
+        self.add("m_penalties", units="kg", desc="joints, holes, attachments, stiffness; none with primary_fraction")
+        self.add("m_secondary", units="kg", desc="secondary structure, by area or by primary_fraction")
         self.add("m_leading_edge", units="kg", desc="part of m_secondary: skin ahead of the front spar, by bird strike")
-        self.add("m_remainder", units="kg", desc="frozen mass of the wing beside primary / primary_fraction")
+        self.add("m_remainder", units="kg", desc="frozen mass of the wing beside what is sized and built up")
         self.add("m_wing_rounded", units="kg", desc="mass of the wing with thicknesses that can be bought")
         self.add("RFC_rounded", desc="RFC with thicknesses that can be bought")
         self.add("RFT_rounded", desc="RFT with thicknesses that can be bought")
@@ -170,12 +172,14 @@ class WingBox(JaxComponent):
         bought = bought_box(model, centre, box, increment=structure.t_increment_m, max_step=structure.t_step_max_m)
         edge = leading_edge(geometry, material, concept, speed=aircraft.mission.V_C_EAS_m_s)
         rest = remainder if structure.mass_remainder_kg is None else structure.mass_remainder_kg
-        share = structure.primary_fraction
+        facts = build_up.wing_facts(aircraft, geometry, inputs)
+        whole = build_up.wing_mass(aircraft, model, centre, box, facts)
+        real = build_up.wing_mass(aircraft, model, centre, bought, facts)
         out = {name: value for name, value in box._asdict().items() if name != "mass"}
         out |= {f"m_{part}": getattr(box.mass, part) for part in PARTS}
-        out |= {"m_wing": box.m_primary / share + rest, "m_remainder": jnp.asarray(rest)}
-        out |= {"m_secondary": box.m_primary * (1.0 / share - 1.0), "m_leading_edge": edge.mass}
-        out |= {"m_wing_rounded": bought.m_primary / share + rest, "bought": bought, "leading_edge": edge}
+        out |= {"m_wing": whole.m_wing + rest, "m_remainder": jnp.asarray(rest), "m_leading_edge": edge.mass}
+        out |= {"m_penalties": whole.m_penalties, "m_secondary": whole.m_secondary, "build_up": whole}
+        out |= {"m_wing_rounded": real.m_wing + rest, "bought": bought, "leading_edge": edge}
         out |= {"RFC_rounded": bought.RFC, "RFT_rounded": bought.RFT}
         out |= dict(zip(("shear", "bending", "torsion"), (v[0] for v in cases[:3]), strict=True))
         out |= {"sizing_case": box.sizing_case.astype(float), "sizing_criterion": box.active.astype(float)}
@@ -216,8 +220,8 @@ def _with_elastic_loads(geometry: BoxGeometry, inputs: Values, unit: list[Loads]
     axis, nothing = elastic_axis(geometry), jnp.zeros(geometry.chord.shape)
     step = jnp.linalg.norm(jnp.diff(axis, axis=0), axis=1)
     s = jnp.concatenate([jnp.zeros(1), jnp.cumsum(step)])
-    stiffness = (1e6 * inputs[f"{name}_flying"] for name in ("EI", "GJ"))
-    beam = BeamProperties(s, *stiffness, nothing, nothing, nothing)
+    EI, GJ = (1e6 * inputs[f"{name}_flying"] for name in ("EI", "GJ"))
+    beam = BeamProperties(s, EI, GJ, nothing, nothing, nothing)
     wing = FlexibleWing(beam, axis, inputs["cruise_strip_edge"], inputs["cruise_strip_point"])
     slope = inputs["strip_lift_by_twist"]
     cruise = Loads(*(unit[0][i] + sum(unit[k][i] for k in (3, 4, 5)) for i in range(len(Loads._fields))))
@@ -226,15 +230,14 @@ def _with_elastic_loads(geometry: BoxGeometry, inputs: Values, unit: list[Loads]
     return Loads(*(c + flown * m for c, m in zip(cases, more, strict=True))), slope @ flexibility(wing)
 
 
-def frozen_remainder(aircraft, m_primary: float) -> float:
-    """Remainder that gives the baseline its total: mass_total_baseline_kg - m_primary / primary_fraction, kg.
+def frozen_remainder(aircraft, m_sized: float) -> float:
+    """Remainder that gives the baseline its total: mass_total_baseline_kg less what is sized and built up, kg.
 
     Args:
         aircraft: definition of the baseline.
-        m_primary: sized primary structure of the baseline, kg.
+        m_sized: its ``m_wing`` without a remainder, kg.
     """
-    structure = aircraft.wing.structure
-    return structure.mass_total_baseline_kg - m_primary / structure.primary_fraction
+    return aircraft.wing.structure.mass_total_baseline_kg - m_sized
 
 
 def _complete(name: str, aircraft: Aircraft) -> None:

@@ -124,7 +124,7 @@ def baseline_remainder(aircraft: Aircraft, *, aero: Aero = "lattice") -> float:
     _set_up(problem)
     problem.set_val("m_wing", box.mass_total_baseline_kg, units="kg")
     problem.run_model()
-    return frozen_remainder(aircraft, float(problem.get_val("m_primary", units="kg")[0]))
+    return frozen_remainder(aircraft, float(problem.get_val("wing_box.m_wing", units="kg")[0]))
 
 
 class ScipyDriver(om.ScipyOptimizeDriver):

@@ -185,29 +185,3 @@ def section_loads(y_stations: Float[Array, "n"], axis_points: Float[Array, "n 3"
         return jnp.sum(vector * axis, axis=1)
 
     return Loads(along(total, n), along(moment, b), along(moment, e), along(total, b), along(moment, n))
-
-
-def case_loads(
-    y_stations: Float[Array, "n"],
-    axis_points: Float[Array, "n 3"],
-    *,
-    aerodynamic: SpanLoad,
-    rotors: SpanLoad,
-    masses: tuple[SpanMass, ...],
-    load_factor: ScalarLike,
-) -> Loads:
-    """Section loads of one load case: air, rotors, and the relief by structure, fuel and motors.
-
-    Args:
-        y_stations: y of the stations, m [n].
-        axis_points: elastic axis at the stations, m [n, 3].
-        aerodynamic: strips with the LIMIT loads of the case.
-        rotors: forces and moments at the hubs, without their weight.
-        masses: structure, fuel, motors and pods of the half wing.
-        load_factor: n of the case.
-
-    Returns:
-        LIMIT section loads.
-    """
-    relief = [inertia_load(item, load_factor) for item in masses]
-    return section_loads(y_stations, axis_points, aerodynamic, rotors, *relief)

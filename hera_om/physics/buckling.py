@@ -24,6 +24,9 @@ SHEAR_SHORT = (2.5, 0.15)
 GERARD_FACTOR = 3.2
 GERARD_EXPONENT = 0.75
 GERARD_CUT_OFF = 0.9
+# Needham, The Ultimate Strength of Aluminum-Alloy Formed Structural Shapes in Compression (1954): angle with both
+# edges free, in the form of Bruhn, eq. C7.1.
+NEEDHAM_FACTOR, NEEDHAM_EXPONENT = 0.316, 0.75
 # Width of sheet that works with a stringer, two edges, von Karman-Sechler: Bruhn eq. C7.19 (w = 1.9 t
 # sqrt(E/F)).
 EFFECTIVE_WIDTH = 1.9
@@ -129,6 +132,23 @@ def crippling_stress(area_over_t2: ArrayLike, *, modulus: ArrayLike, f_cy: Array
     """
     ratio = GERARD_FACTOR * (jnp.cbrt(modulus / f_cy) / area_over_t2) ** GERARD_EXPONENT
     return f_cy * jnp.minimum(GERARD_CUT_OFF, ratio)
+
+
+def angle_crippling_stress(width_over_t: ArrayLike, *, modulus: ArrayLike, f_cy: ArrayLike) -> Float[Array, "..."]:
+    """Crippling stress of an angle of equal legs, both edges free.
+
+    F_cc = min(F_cy, 0.316 sqrt(F_cy E) / (b' / t)^0.75), b' the mean of both legs. Needham, as Bruhn eq. C7.1.
+
+    Args:
+        width_over_t: width of a leg over its thickness.
+        modulus: Young's modulus, Pa.
+        f_cy: yield stress in compression, Pa.
+
+    Returns:
+        F_cc, Pa.
+    """
+    stress = NEEDHAM_FACTOR * jnp.sqrt(jnp.asarray(modulus * f_cy)) / width_over_t**NEEDHAM_EXPONENT
+    return jnp.minimum(jnp.asarray(f_cy), stress)
 
 
 def johnson_euler_stress(slenderness: ArrayLike, f_cc: ArrayLike, *, modulus: ArrayLike) -> Float[Array, "..."]:

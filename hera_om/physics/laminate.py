@@ -188,10 +188,10 @@ def bending_stress(f: Flexure, k: ArrayLike, width: ArrayLike) -> Float[Array, "
     return _euler(mean, width) * k * (BENDING_SHARE + (1.0 - BENDING_SHARE) * beta)
 
 
-def _affine(f: Flexure) -> tuple[ArrayLike, ArrayLike, ArrayLike]:
+def _affine(f: Flexure) -> tuple[Array, Array, Array]:
     """sqrt(D11 D22), beta, and what stretches the length over the width."""
     mean = jnp.sqrt(f.along * f.across)
-    return mean, f.mixed / mean, (f.across / f.along) ** 0.25
+    return mean, f.mixed / mean, jnp.sqrt(jnp.sqrt(f.across / f.along))
 
 
 def _euler(stiffness: ArrayLike, width: ArrayLike) -> ArrayLike:

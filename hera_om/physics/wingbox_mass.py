@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from hera_om.physics.wing_build_up import BoxShares
 from hera_om.physics.wingbox_types import BoxMass, BoxModel
 
 
@@ -17,6 +18,22 @@ def _per_length(model: BoxModel, t: Float[Array, "4 n"], t_rib: Float[Array, "n"
         shape.enclosed * t_rib / model.concept.rib_pitch,
     ]
     return model.material.rho * jnp.stack(areas)
+
+
+def _lengths(points: Float[Array, "n 3"]) -> Float[Array, "n"]:
+    """Length of the box that each station stands for, m: the trapezoidal rule."""
+    step = jnp.sqrt(jnp.sum(jnp.square(jnp.diff(points, axis=0)), axis=1))
+    return 0.5 * (jnp.pad(step, (1, 0)) + jnp.pad(step, (0, 1)))
+
+
+def box_shares(model: BoxModel, points: Float[Array, "n 3"], t: Float[Array, "4 n"]) -> BoxShares:
+    """Surface, webs and lower panels of both half wings with the centre section; arguments as `box_mass`."""
+    shape, members = model.shape, model.members
+    arc, heights = shape.arc[0] + shape.arc[1], shape.h_front + shape.h_rear
+    webs = model.material.rho * (shape.h_front * t[2] + shape.h_rear * t[3])
+    lower = model.material.rho * (shape.arc[1] * t[1] + members.n_stringer * members.A_stringer)
+    per_length = jnp.stack([arc + heights, webs, lower])
+    return BoxShares(*(2.0 * (per_length @ _lengths(points) + per_length[:, 0] * points[0, 1])))
 
 
 def box_mass(
@@ -38,8 +55,7 @@ def box_mass(
         inertia of both about x, y, z through their common centre, kg m2, of masses that stand at the points.
     """
     per_length = _per_length(model, t, t_rib)
-    step = jnp.sqrt(jnp.sum(jnp.square(jnp.diff(points, axis=0)), axis=1))
-    lengths = 0.5 * (jnp.pad(step, (1, 0)) + jnp.pad(step, (0, 1)))
+    lengths = _lengths(points)
     half = per_length @ lengths
     inboard = points[0, 1]
     centre = jnp.sum(per_length[:, 0]) * inboard

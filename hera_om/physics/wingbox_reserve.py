@@ -3,11 +3,11 @@
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from hera_om.physics import buckling
+from hera_om.physics import box_section, buckling
 from hera_om.physics.box_section import z_stringer
 from hera_om.physics.box_smooth import positive_part, smooth_below, smooth_max
-from hera_om.physics.wingbox_criteria import BoxState
-from hera_om.physics.wingbox_types import BoxModel, Reserves
+from hera_om.physics.wingbox_criteria import BoxState, tension_allowable
+from hera_om.physics.wingbox_types import BoxModel, Material, Reserves
 
 ScalarLike = Float[Array, ""] | float | int
 
@@ -45,19 +45,29 @@ def column_stress(model: BoxModel, t_skin: Float[Array, "2 n"]) -> Float[Array, 
     return buckling.johnson_euler_stress(jnp.sqrt(length_square * area / inertia), f_cc, modulus=material.E)
 
 
+def cap_stress(material: Material) -> Float[Array, ""]:
+    """Failing stress of a cap in compression, Pa: yield or Needham's crippling.
+
+    The flange, `box_section.CAP_ASPECT` times as wide as thick, as one of two legs of an angle with free edges:
+    the least favourable reading of a flange that the web in truth holds.
+    """
+    return buckling.angle_crippling_stress(box_section.CAP_ASPECT, modulus=material.E, f_cy=material.F_cy)
+
+
 def cover_compression(model: BoxModel, state: BoxState, t: Float[Array, "4 n"]) -> Float[Array, "2 2 point case n"]:
     """Compressive stress over its allowable, of caps and of stringers (first axis) on either cover."""
     pressed = positive_part(-state.direct[:2] / model.material.F_cy, SMOOTH_WIDTH)
+    short = cap_stress(model.material) / model.material.F_cy
     column = column_stress(model, t[:2])[:, None, None] / model.material.F_cy
-    return jnp.stack([pressed, pressed / column])
+    return jnp.stack([pressed / short, pressed / column])
 
 
 def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness: ScalarLike) -> Reserves:
     """RFT and RFC of caps and stringers: allowable over LIMIT stress, required 1.5.
 
-    Tension against F_tu. Compression: caps against F_cy, stringers against the smaller of F_cy and the
-    column stress (which starts from crippling). Both carry the stress of the skin that they are fastened
-    to, so that F_cy / stress bounds both.
+    Tension against F_tu on the net section between fastener holes (`wingbox_criteria.tension_allowable`).
+    Compression: caps against the smaller of F_cy and their crippling stress, stringers against the smaller of that
+    and the column stress (which starts from crippling). Both carry the stress of the skin that they are fastened to.
 
     Args:
         model: the box and its loads.
@@ -70,11 +80,12 @@ def reserves(model: BoxModel, state: BoxState, t: Float[Array, "4 n"], sharpness
         n)^(1/sharpness).
     """
     material = model.material
-    pulled = positive_part(state.direct[:2] / material.F_tu, SMOOTH_WIDTH)
-    compression = cover_compression(model, state, t)
+    torn = tension_allowable(material)
+    pulled = positive_part(state.direct[:2] / torn, SMOOTH_WIDTH)
+    pressed = positive_part(-state.direct[:2] / material.F_cy, SMOOTH_WIDTH)
     use_tension = smooth_max(pulled, (0, 1, 2), sharpness)
-    use_compression = smooth_max(compression, (0, 1, 2, 3), sharpness)
-    yielding = jnp.stack([pulled * material.F_tu / material.F_ty, compression[0]])
+    use_compression = smooth_max(cover_compression(model, state, t), (0, 1, 2, 3), sharpness)
+    yielding = jnp.stack([pulled * torn / material.F_ty, pressed])
     return Reserves(
         1.0 / use_tension,
         1.0 / use_compression,

@@ -30,6 +30,7 @@ WING_PARTS = {
     "m_stringers": "stringers",
     "m_ribs": "ribs",
     "m_centre_section": "centre section",
+    "m_penalties": "joints and attachments",
     "m_secondary": "secondary structure",
     "m_remainder": "fixed remainder",
 }
@@ -163,10 +164,11 @@ def _budget(found: dict[str, dict], labels: dict[str, str], total: str, factor: 
 
 
 def _wing_parts(shot: Snapshot) -> dict[str, float]:
-    """Parts of the wing; the secondary structure is what primary and remainder leave of the whole."""
+    """Parts of the wing; the secondary structure is what primary, penalties and remainder leave of the whole."""
     known = dict(shot.values)
     if {"m_wing", "m_primary", "m_remainder"} <= set(known):
-        known["m_secondary"] = known["m_wing"] - known["m_primary"] - known["m_remainder"]
+        rest = known["m_primary"] + known["m_remainder"] + known.get("m_penalties", 0.0)
+        known["m_secondary"] = known["m_wing"] - rest
     return {k: known[k] for k in (*WING_PARTS, "m_wing") if k in known}
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from hera_om.aircraft import dumps, load_aircraft, loads
 from hera_om.aircraft.mission import Lattice
+from hera_om.components.build_up import secondary_areas
 from hera_om.components.wingbox import WingBox, frozen_remainder
 
 GRAVITY, TIP, JOINT, TAKEOFF = 9.80665, 14.5, 1.45, 28153.0
@@ -113,6 +114,7 @@ def test_relief_and_load_factor(hera, baseline):
     assert light["m_wing"][0] > 1.01 * baseline["m_wing"][0]
     outboard = run(hera, {"y_prop": 10.2})  # the pods' weight alone: their hubs are an input of their own
     assert outboard["bending"][0] < baseline["bending"][0]
+    assert outboard["m_wing"][0] < baseline["m_wing"][0] - 1.0
     manoeuvre = hera.mission.model_copy(update={"limit_load_factor": 1.25})
     halved = run(hera.model_copy(update={"mission": manoeuvre}), {"CZ_alpha": 3.0}, load={"pull_up": 1.25})
     assert halved["m_wing"][0] < 0.95 * baseline["m_wing"][0]
@@ -122,13 +124,59 @@ def test_relief_and_load_factor(hera, baseline):
 
 
 def test_the_remainder_is_frozen_at_the_baseline(hera, baseline):
-    remainder = frozen_remainder(hera, float(baseline["m_primary"][0]))
+    remainder = frozen_remainder(hera, float(baseline["m_wing"][0]))
+    assert remainder == pytest.approx(3300.0 - baseline["m_primary"][0] / 0.85)
     again = run(hera, remainder=remainder)
     assert again["m_wing"][0] == pytest.approx(3300.0)
     assert again["m_remainder"][0] == pytest.approx(remainder)
     thinner = run(hera, {"A_cap_root": 2.0e-3}, remainder=remainder)
     change = thinner["m_primary"][0] - baseline["m_primary"][0]
     assert thinner["m_wing"][0] == pytest.approx(3300.0 + change / 0.85)
+
+
+@pytest.fixture(scope="module")
+def unshared(hera):
+    """The aircraft without a primary_fraction: its wing is built up. Gear on the wing, Fowler flaps."""
+    update = {"primary_fraction": None, "gear_on_wing": True, "flap_support": "track", "flap_slots": 2}
+    structure = hera.wing.structure.model_copy(update=update)
+    return hera.model_copy(update={"wing": hera.wing.model_copy(update={"structure": structure})})
+
+
+def test_a_wing_without_a_given_share_is_built_up(hera, baseline, unshared):
+    built = run(unshared)
+    parts = ("m_primary", "m_penalties", "m_secondary")
+    assert built["m_wing"][0] == pytest.approx(sum(built[n][0] for n in parts), rel=1e-12)
+    assert built["m_primary"][0] == pytest.approx(baseline["m_primary"][0], rel=1e-12)
+    assert baseline["m_penalties"][0] == 0.0
+    assert baseline["m_secondary"][0] == pytest.approx(baseline["m_primary"][0] * (1 / 0.85 - 1))
+    # Torenbeek 1976, eq. C-2 and C-4, ask a third of the box in joints and stiffness; TASOPT a third in movables
+    # and edges of a lighter kind than flaps of two slots on tracks.
+    penalties, secondary = (built[n][0] / built["m_primary"][0] for n in parts[1:])
+    assert 0.25 < penalties < 0.50
+    assert 0.30 < secondary < 0.60
+    assert built["m_wing_rounded"][0] > built["m_wing"][0]
+
+
+def test_areas_of_the_secondary_structure_by_hand(hera):
+    found = secondary_areas(hera)
+
+    def chord(y):
+        return np.interp(y, [0.0, 5.6, 14.5], [2.77, 2.77, 1.61])
+
+    def strip(inner, outer):
+        y = np.linspace(inner, outer, 200001)
+        return 2.0 * np.trapezoid(chord(y), y)
+
+    flaps, ailerons = 0.25 * strip(1.6, 10.0), 0.28 * strip(10.2, 13.9)
+    exposed = strip(JOINT, TIP)
+    expected = [0.15 * exposed, 0.38 * exposed - flaps - ailerons, 0.13 * strip(1.6, 10.0), flaps, ailerons]
+    np.testing.assert_allclose([float(v) for v in found], expected, rtol=1e-8)
+
+
+def test_rounded_results_have_no_partials(hera):
+    box = set_up(hera).model.box
+    declared = {of.rpartition(".")[2] for of, wrt in box._declared_partials_iter() if of != wrt}
+    assert declared == set(box._var_rel_names["output"]) - set(box.PIECEWISE)
 
 
 def test_an_absurd_load_names_bay_and_criterion(hera):
@@ -181,9 +229,10 @@ def test_missing_parts_are_named(hera):
         WingBox(aircraft=hera.model_copy(update={"mission": None}))
 
 
-def test_partials(hera, check_partials):
+@pytest.mark.parametrize("rule", ["hera", "unshared"])
+def test_partials(rule, request, check_partials):
     # Section loads are once differentiable only: no station may stand within a step of the end of a ramp.
-    problem = set_up(hera, remainder=100.0)
+    problem = set_up(request.getfixturevalue(rule), remainder=100.0)
     random = np.random.default_rng(3)
     edges = problem.get_val("pullup_strip_edge")
     values = loads_of(edges) | {"y_kink": 6.2, "y_prop": 8.7, "A_cap_root": 2.7e-3, "m_wing_relief": 2900.0}

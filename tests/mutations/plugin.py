@@ -30,10 +30,10 @@ def _no_inertia(mass, load_factor):
 
 
 def _half_load_factor(old):
-    def case_loads(*args, load_factor, **rest):
-        return old(*args, load_factor=0.5 * load_factor, **rest)
+    def inertia_load(masses, load_factor):
+        return old(masses, 0.5 * load_factor)
 
-    return case_loads
+    return inertia_load
 
 
 def _without_alphadot(old):
@@ -185,6 +185,7 @@ def _nothing(old):
 PHYSICS = "tests/physics/"
 BLOWN = f"{PHYSICS}test_aerodynamics.py::"
 TUNNEL = "tests/components/test_propeller_wing.py::"
+PENALISED = "tests/components/test_wingbox_component.py::test_a_wing_without_a_given_share_is_built_up"
 SLIPSTREAMS = ("coupling:mean_slipstreams",)
 MUTATIONS = {
     "slipstream_off": Mutation(
@@ -424,8 +425,8 @@ MUTATIONS = {
         PHYSICS + "test_beam_loads.py::test_masses_relieve_and_an_engine_farther_out_relieves_more",
     ),
     "load_factor_halved": Mutation(
-        "load factor of a load case",
-        ("beam_loads:case_loads",),
+        "load factor of the relief",
+        ("beam_loads:inertia_load",),
         _half_load_factor,
         PHYSICS + "test_beam_loads.py::test_masses_relieve_and_an_engine_farther_out_relieves_more",
         True,
@@ -527,6 +528,44 @@ MUTATIONS = {
         ("gust:KUESSNER",),
         np.array([[0.0, 0.13], [0.0, 1.0]]),
         PHYSICS + "test_load_cases.py::test_alleviation_is_pratts_at_his_gradient[20.0]",
+    ),
+    "net_section_off": Mutation(
+        "holes and notches of fasteners in tension",
+        ("wingbox_criteria:tension_allowable",),
+        lambda material: material.F_tu,
+        PHYSICS + "test_wingbox.py::test_reserves_are_allowable_over_limit_stress",
+    ),
+    "cap_crippling_off": Mutation(
+        "crippling of thin caps",
+        ("buckling:NEEDHAM_FACTOR",),
+        1e3,
+        PHYSICS + "test_wingbox.py::test_thin_caps_cripple_before_they_yield",
+    ),
+    "penalties_off": Mutation(
+        "joints, holes, attachments and stiffness in the mass of the wing",
+        ("wing_build_up:box_penalties",),
+        _nothing,
+        PENALISED,
+        True,
+    ),
+    "secondary_structure_off": Mutation(
+        "secondary structure in the mass of the wing",
+        ("wing_build_up:secondary_structure",),
+        _nothing,
+        PENALISED,
+        True,
+    ),
+    "wing_stiffness_off": Mutation(
+        "penalty for torsional stiffness",
+        ("wing_build_up:STIFFNESS",),
+        0.0,
+        PHYSICS + "test_wing_build_up.py::test_torenbeeks_older_equations_ask_for_as_much",
+    ),
+    "joints_off": Mutation(
+        "penalty for joints",
+        ("wing_build_up:JOINTS",),
+        0.0,
+        PHYSICS + "test_wing_build_up.py::test_torenbeeks_older_equations_ask_for_as_much",
     ),
     "gyroscopes_off": Mutation(
         "gyroscopic moment of rotors",

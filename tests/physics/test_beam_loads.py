@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from hera_om.physics import beam_loads
 from hera_om.physics.beam_loads import (
     SpanLoad,
-    case_loads,
     inertia_load,
     outboard_share,
     point_load,
@@ -158,14 +157,8 @@ def wing_case(hub=4.1, load_factor=2.5):
     rotor = point_load(jnp.array([[-1.6, hub, -0.35]]), forces=none, moments=none)
     structure = spread_mass(1650.0, edges, intensity=1.0 - 0.03 * edges[1:], points=straight_axis(edges[1:]))
     motor = point_mass(jnp.array([1075.0]), jnp.array([[-1.6, hub, -0.35]]))
-    return case_loads(
-        y,
-        straight_axis(y),
-        aerodynamic=air,
-        rotors=rotor,
-        masses=(structure, motor),
-        load_factor=load_factor,
-    )
+    relief = (inertia_load(item, load_factor) for item in (structure, motor))
+    return section_loads(y, straight_axis(y), air, rotor, *relief)
 
 
 def test_masses_relieve_and_an_engine_farther_out_relieves_more(monkeypatch):

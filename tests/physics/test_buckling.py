@@ -87,6 +87,13 @@ def test_gerard_crippling_by_hand():
     assert float(buckling.crippling_stress(5.0, modulus=71.7e9, f_cy=469e6)) == pytest.approx(0.9 * 469e6)
 
 
+def test_needham_crippling_by_hand():
+    # Bruhn C7.1 with free edges, 7075-T6, b / t = 12: sqrt(469 x 71700) = 5798.9; / 12^0.75 = 899.4; x 0.316 = 284.2
+    stress = buckling.angle_crippling_stress(12.0, modulus=71.7e9, f_cy=469e6)
+    assert float(stress) == pytest.approx(284.2e6, rel=1e-3)
+    assert float(buckling.angle_crippling_stress(4.0, modulus=71.7e9, f_cy=469e6)) == 469e6
+
+
 @pytest.mark.parametrize(
     "function",
     [
@@ -97,6 +104,7 @@ def test_gerard_crippling_by_hand():
         lambda x: buckling.von_mises(x, 0.2, 0.3),
         lambda x: buckling.johnson_euler_stress(40.0 * x, 400e6, modulus=71.7e9) / 1e8,
         lambda x: buckling.crippling_stress(60.0 * x, modulus=71.7e9, f_cy=469e6) / 1e8,
+        lambda x: buckling.angle_crippling_stress(12.0 * x, modulus=71.7e9, f_cy=469e6) / 1e8,
         lambda x: buckling.brazier_pressure(x, 0.008, 0.4, modulus=71.7),
     ],
 )
