@@ -23,8 +23,8 @@ class AeroPlan:
         self.commands = arrays.model_commands(aircraft, lateral)
         self.model = arrays.model(aircraft, lateral)
         surfaces = (s.name for s in arrays.parts(aircraft, lateral))
-        boxed = aircraft.wing is not None and aircraft.wing.structure is not None
-        self.aeroelastic = boxed and aircraft.wing.structure.aeroelastic and not lateral
+        box = None if aircraft.wing is None else aircraft.wing.structure
+        self.aeroelastic = box is not None and box.aeroelastic and not lateral
         self.parts = (*surfaces, FUSELAGE, *((ROTORS,) if self.groups else ()))
 
     def _key(self):

@@ -216,8 +216,8 @@ def _with_elastic_loads(geometry: BoxGeometry, inputs: Values, unit: list[Loads]
     axis, nothing = elastic_axis(geometry), jnp.zeros(geometry.chord.shape)
     step = jnp.linalg.norm(jnp.diff(axis, axis=0), axis=1)
     s = jnp.concatenate([jnp.zeros(1), jnp.cumsum(step)])
-    stiffness = (1e6 * inputs[f"{name}_flying"] for name in ("EI", "GJ"))
-    beam = BeamProperties(s, *stiffness, nothing, nothing, nothing)
+    EI, GJ = (1e6 * inputs[f"{name}_flying"] for name in ("EI", "GJ"))
+    beam = BeamProperties(s, EI, GJ, nothing, nothing, nothing)
     wing = FlexibleWing(beam, axis, inputs["cruise_strip_edge"], inputs["cruise_strip_point"])
     slope = inputs["strip_lift_by_twist"]
     cruise = Loads(*(unit[0][i] + sum(unit[k][i] for k in (3, 4, 5)) for i in range(len(Loads._fields))))
