@@ -161,7 +161,7 @@ def compression_stress(f: Flexure, length: ArrayLike, width: ArrayLike) -> Float
     """Critical stress at unit thickness of a simply supported plate compressed along x, Pa/m2.
 
     min over m of pi^2 sqrt(D11 D22) / (t b^2) ((m / phi)^2 + (phi / m)^2 + 2 beta), phi = (a / b) (D22 / D11)^(1/4),
-    beta = (D12 + 2 D66) / sqrt(D11 D22): Jones, eq. 5.63, in the affine form.
+    beta = (D12 + 2 D66) / sqrt(D11 D22): Jones, ch. 5, in the affine form.
 
     Args:
         f: bending of the plate.
@@ -194,6 +194,6 @@ def _affine(f: Flexure) -> tuple[Array, Array, Array]:
     return mean, f.mixed / mean, jnp.sqrt(jnp.sqrt(f.across / f.along))
 
 
-def _euler(stiffness: ArrayLike, width: ArrayLike) -> ArrayLike:
+def _euler(stiffness: ArrayLike, width: ArrayLike) -> Array:
     """pi^2 D / (t b^2) at unit thickness."""
-    return jnp.pi**2 * stiffness / (12.0 * jnp.square(width))
+    return jnp.asarray(jnp.pi**2 * stiffness / (12.0 * jnp.square(width)))

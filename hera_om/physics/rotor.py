@@ -133,7 +133,7 @@ def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field |
     def polished(function, start: Field) -> Field:
         if known is not None:
             return start
-        root = bracketed_root(function, start, 0.5 * jnp.pi)
+        root = bracketed_root(function, start, 0.5 * jnp.pi, guess)
         slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
         return lax.fori_loop(0, 2, lambda _, phi: phi - function(phi) / _safe(slope), root)
 
@@ -141,7 +141,16 @@ def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field |
         return right / _safe(linear(jnp.ones_like(right)))
 
     start = lax.stop_gradient(elements.flow_angle if known is None else known)
+    guess = lax.stop_gradient(_linear_inflow_angle(elements))
     return lax.custom_root(mismatch, start, polished, divide)
+
+
+def _linear_inflow_angle(elements: _Elements) -> Field:
+    """Inflow angle of small angles and a straight lift line: phi (phi - phi0) = sigma a (theta - alpha0 - phi) / 4."""
+    slope, alpha0 = lift_line(elements.polar)
+    share = 0.25 * elements.solidity * slope
+    half = 0.5 * (elements.flow_angle - share)
+    return half + jnp.sqrt(jnp.maximum(half**2 + share * (elements.theta - alpha0), 0.0))
 
 
 def _safe(slope: Field) -> Field:

@@ -9,8 +9,9 @@ from jaxtyping import Array, Bool, Float
 
 Values = Float[Array, "..."]
 
-ROOT_TOLERANCE, RESIDUAL_TOLERANCE = 1e-8, 1e-10
-"""Bracket width, or residual, at which the search stops; the Newton steps after it square the error."""
+ROOT_TOLERANCE, RESIDUAL_TOLERANCE = 1e-5, 1e-6
+"""Bracket width, or residual, at which the search stops; of the two Newton steps after it, with one slope, the first
+squares the error and the second multiplies it by that of the slope."""
 ROOT_ITERATIONS = 80
 FIRST_STEP = 0.1
 """First trial as a distance from the centre, rad: the induced angle of a loaded propeller is of this size."""
@@ -49,12 +50,15 @@ def _interpolation(s: _Search) -> Values:
     return jnp.clip(t, least, 1.0 - least)
 
 
-def bracketed_root(f: Callable[[Array], Array], centre: Values, reach: Values | float) -> Values:
+def bracketed_root(
+    f: Callable[[Array], Array], centre: Values, reach: Values | float, guess: Values | None = None
+) -> Values:
     """Roots of ``f`` within ``reach`` of ``centre`` for all elements at once, on the side where the sign
     changes.
 
     ``f`` is negative at ``centre - reach`` and positive at ``centre + reach``, of order one: its values there
-    are not computed. Source: Chandrupatla, Advances in Engineering Software 28 (1997) 145-149.
+    are not computed. Where a ``guess`` lies on the right side it is tried first. Source: Chandrupatla, Advances in
+    Engineering Software 28 (1997) 145-149.
     """
 
     def step(s: _Search) -> _Search:
@@ -69,6 +73,9 @@ def bracketed_root(f: Callable[[Array], Array], centre: Values, reach: Values | 
     f_centre = f(centre)
     side = jnp.where(f_centre <= 0.0, 1.0, -1.0)
     end, first = centre + side * reach, jnp.minimum(FIRST_STEP / reach, 0.5) * jnp.ones_like(centre)
+    if guess is not None:
+        share = side * (guess - centre) / reach
+        first = jnp.where((share > 1e-4) & (share < 0.9), share, first)
     start = _Search(centre, end, end, f_centre, side, side, first, jnp.zeros(()))
     found = lax.while_loop(_unfinished, step, start)
     return jnp.where(jnp.abs(found.f1) <= jnp.abs(found.f2), found.x1, found.x2)

@@ -36,7 +36,7 @@ def strip_theory(wing, pressure):
 
 
 def test_divergence_of_a_straight_wing():
-    """q_D = (pi / 2)^2 GJ / (e c a L^2): Bisplinghoff, Ashley & Halfman, eq. 8-49."""
+    """q_D = (pi / 2)^2 GJ / (e c a L^2): Bisplinghoff, Ashley & Halfman, ch. 8."""
     wing = uniform_wing()
     expected = (np.pi / 2) ** 2 * STIFF / (ARM * CHORD * SLOPE * LENGTH**2)
     ratio = divergence_ratio(np.asarray(strip_theory(wing, 1000.0) @ flexibility(wing)))
@@ -46,7 +46,7 @@ def test_divergence_of_a_straight_wing():
 
 @pytest.mark.parametrize("share", [0.2, 0.7])
 def test_twist_of_a_straight_wing(share):
-    """theta = alpha (tan(k L) sin(k y) + cos(k y) - 1), k^2 = q e c a / GJ: Bisplinghoff, ch. 8-2."""
+    """theta = alpha (tan(k L) sin(k y) + cos(k y) - 1), k^2 = q e c a / GJ: Bisplinghoff, Ashley & Halfman, ch. 8."""
     wing, alpha = uniform_wing(), 0.05
     pressure = share * (np.pi / 2) ** 2 * STIFF / (ARM * CHORD * SLOPE * LENGTH**2)
     slope, units = strip_theory(wing, pressure), unit_lifts(wing)
@@ -61,7 +61,7 @@ def test_twist_of_a_straight_wing(share):
 
 
 def test_bending_divergence_of_a_wing_swept_forward():
-    """q c a sin cos L^3 / EI = 6.33 of a wing without twist, none swept back: Hodges & Pierce, ch. 4.2.6."""
+    """q c a sin cos L^3 / EI = 6.33 of a wing without twist, none swept back: Hodges & Pierce, ch. 4."""
     bending, sweep = 4.0e6, np.radians(30.0)
     forward = uniform_wing(sweep=-sweep, EI=bending, GJ=1e30, arm=0.0)
     ratio = divergence_ratio(np.asarray(strip_theory(forward, 1.0) @ flexibility(forward)))
