@@ -158,7 +158,7 @@ def plan(aircraft: Aircraft, lateral: bool) -> RotorPlan | None:
         tip_loss=all(b.tip_loss for b in blade),
         hub_loss=all(b.hub_loss for b in blade),
         stall_delay=all(b.stall_delay for b in blade),
-        neighbours=slipstreams_meet_disks(aircraft),
+        neighbours=slipstreams_meet_disks(aircraft) and (bool(lifting_surfaces(aircraft)) or aircraft.flight.mach > 0),
         failed=tuple(sorted(failed)),
     )
 

@@ -111,7 +111,7 @@ class Jets(NamedTuple):
 class Washes(NamedTuple):
     """What slipstreams do, one by one (axis k) or together."""
 
-    jets: Jets
+    jets: Jets | None  # none without surfaces
     disks: Float[Array, "h *k m nr npsi 3"] | None  # velocity at the disks of other rotors
     filaments: Float[Array, "h *k e 3"] | None  # velocity at the filaments, if asked for
 
@@ -299,11 +299,11 @@ def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float
     return jnp.stack([one + other, one - other])
 
 
-def unknowns(plan: RotorPlan | None, system: System) -> int:
-    """Number of unknowns of the coupling: none without rotors or without surfaces."""
-    if plan is None or system.lattice is None:
+def unknowns(plan: RotorPlan | None, system: System, x: Controls) -> int:
+    """Number of unknowns of the coupling: none where slipstreams meet neither surfaces nor other rotors."""
+    if plan is None or (system.lattice is None and not plan.neighbours):
         return 0
-    return 2 * rotor_halves(plan, system.lattice.odd is not None) * len(plan.groups) * plan.radial
+    return 2 * rotor_halves(plan, len(sides(x)) == 2) * len(plan.groups) * plan.radial
 
 
 def rotor_halves(plan: RotorPlan, lateral: bool) -> int:
@@ -319,25 +319,29 @@ def wake_of(flat: Float[Array, " u"], plan: RotorPlan, x: Controls) -> Wake:
 def washes(
     flat: Float[Array, " u"], x: Controls, at: Setting, plan: RotorPlan | None, *, filaments: bool
 ) -> Washes | None:
-    """What each slipstream of the given strength does; None without rotors or without surfaces."""
+    """What each slipstream of the given strength does; None where there is nothing that it meets."""
     lattice = turned(at, x).system.lattice
-    if plan is None or at.rotors is None or lattice is None:
+    if plan is None or at.rotors is None or not unknowns(plan, at.system, x):
         return None
-    wake, air, n = wake_of(flat, plan, x), winds(x), lattice.chord.shape[0]
-    ends = lattice.across
+    wake, air, disks = wake_of(flat, plan, x), winds(x), None
+    if plan.neighbours:
+        disks = NEIGHBOURS * at_other_disks(at.rotors, plan, wake, disk_points(at.rotors, plan), winds=air)
+    if lattice is None:
+        return Washes(None, disks, None)
+    ends, n = lattice.across, lattice.chord.shape[0]
     if filaments:
         ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
     each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
-    across, disks = each[:, :, :n], None
-    if plan.neighbours:
-        disks = NEIGHBOURS * at_other_disks(at.rotors, plan, wake, disk_points(at.rotors, plan), winds=air)
+    across = each[:, :, :n]
     jets = Jets(across, jet_factors(at.rotors, across, lattice.chord, air))
     return Washes(jets, disks, each[:, :, n:] if filaments else None)
 
 
 def together(each: Washes) -> Washes:
     """All slipstreams: velocities add, and jets that overlap count as one after the other."""
-    jets = Jets(jnp.sum(each.jets.velocity, axis=1), jnp.prod(each.jets.factor, axis=1))
+    jets = each.jets
+    if jets is not None:
+        jets = Jets(jnp.sum(jets.velocity, axis=1), jnp.prod(jets.factor, axis=1))
     return Washes(jets, *[None if v is None else jnp.sum(v, axis=1) for v in each[1:]])
 
 

@@ -69,7 +69,7 @@ def find_root(x: Controls, at: Setting, plan: RotorPlan | None) -> Root:
     gains more than a digit a step and needs one compiled copy of the model.
     """
     x, at = lax.stop_gradient((x, at))
-    n = unknowns(plan, at.system)
+    n = unknowns(plan, at.system, x)
     if plan is None:
         return Root(jnp.zeros(0), None)
     if n == 0:
@@ -180,17 +180,20 @@ def _of_each_rotor(each: Washes, by: Washes, plan: RotorPlan, halves: int) -> Wa
         out = jnp.einsum("abhk,frhk...->fabrh...", whose, by_name)
         return out.reshape(-1, *out.shape[4:])
 
-    jets = Jets(spread(by.jets.velocity), spread(_by_factors(each, by)))
+    jets = None if by.jets is None else Jets(spread(by.jets.velocity), spread(_by_factors(each, by)))
     return Washes(jets, *[None if d is None else spread(d) for d in by[1:]])
 
 
 def _sum(each: Washes, by: Washes) -> Washes:
     """Changes of the whole from changes of all slipstreams."""
-    jets = Jets(jnp.sum(by.jets.velocity, axis=2), jnp.sum(_by_factors(each, by), axis=2))
+    jets = by.jets
+    if jets is not None:
+        jets = Jets(jnp.sum(jets.velocity, axis=2), jnp.sum(_by_factors(each, by), axis=2))
     return Washes(jets, *[None if d is None else jnp.sum(d, axis=2) for d in by[1:]])
 
 
 def _by_factors(each: Washes, by: Washes) -> Float[Array, "c h k n"]:
     """Change of the product of all factors by the change of each."""
+    assert each.jets is not None and by.jets is not None
     factors = each.jets.factor
     return jnp.prod(factors, axis=1, keepdims=True) / factors * by.jets.factor

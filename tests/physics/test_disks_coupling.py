@@ -137,7 +137,7 @@ def test_onset_of_a_pitch_rate_by_hand():
 def test_equilibrium(at, root):
     answer = answer_at(root.flat, state(), at, root.phi)
     assert float(jnp.max(jnp.abs(answer.flat - root.flat))) < 1e-12
-    assert root.flat.shape == (unknowns(PLAN, at.system),) == (8,)
+    assert root.flat.shape == (unknowns(PLAN, at.system, state()),) == (8,)
     assert np.all(np.asarray(root.flat)[:4] > 0.01)
 
 
@@ -221,9 +221,12 @@ def test_factors_come_apart_and_together(at):
 
 
 def test_a_rotor_alone_and_a_wing_alone_need_no_iteration(at):
-    alone = Setting(make_system([], rotor(), PLAN, 0.0, MODEL), rotor(), flow(), 2.2, 16.0)
-    found = jax.jit(lambda x: respond(jnp.zeros(0), x, alone, PLAN))(state())
-    assert unknowns(PLAN, alone.system) == 0 and unknowns(None, at.system) == 0
+    alone, plan = (
+        Setting(make_system([], rotor(), PLAN, 0.0, MODEL), rotor(), flow(), 2.2, 16.0),
+        PLAN._replace(neighbours=False),
+    )
+    found = jax.jit(lambda x: respond(jnp.zeros(0), x, alone, plan))(state())
+    assert unknowns(plan, alone.system, state()) == 0 and unknowns(None, at.system, state()) == 0
     np.testing.assert_allclose(found.wake.axial, found.loads.v_axial / 90.0, rtol=1e-12)
     root = find_root(state(), at, None)
     assert root.flat.shape == (0,) and root.phi is None
@@ -235,22 +238,27 @@ FRONT, REAR = -7.0, -1.0
 TANDEM = PLAN._replace(groups=(0, 1), radial=8, azimuthal=4)
 
 
+def coaxial():
+    """Two rotors, the second one behind the first."""
+    pair = jax.tree.map(lambda v: jnp.concatenate([v, v]), rotor(incidence=0.0))
+    return pair._replace(hub=jnp.array([[FRONT, 3.0, 0.0], [REAR, 3.0, 0.0]]))
+
+
 @pytest.fixture(scope="module")
 def tandem():
     """Loads of two coaxial rotors ahead of a wing at no incidence, the rear one turning one way or the other."""
-    one = rotor(incidence=0.0)
-    pair = jax.tree.map(lambda v: jnp.concatenate([v, v]), one)
-    pair = pair._replace(hub=jnp.array([[FRONT, 3.0, 0.0], [REAR, 3.0, 0.0]]))
+    pair = coaxial()
 
-    @jax.jit
-    def solve(pitch, sense):
+    @partial(jax.jit, static_argnums=2)
+    def solve(pitch, sense, wing):
         rotors = pair._replace(sense=pair.sense * jnp.stack([jnp.ones(()), sense]))
-        at = Setting(make_system(surfaces(), rotors, TANDEM, flow().mach, MODEL), rotors, flow(), 2.2, 16.0)
+        system = make_system(surfaces() if wing else [], rotors, TANDEM, flow().mach, MODEL)
+        at = Setting(system, rotors, flow(), 2.2, 16.0)
         x = Controls(jnp.zeros(()), jnp.zeros(()), jnp.zeros(0), jnp.stack([pitch, pitch]), jnp.zeros(0))
         root = find_root(x, at, TANDEM)
         return respond(root.flat, x, at, TANDEM, root.phi).loads
 
-    return lambda sense=1.0, pitch=PITCH: jax.tree.map(lambda v: v[0], solve(pitch, sense))
+    return lambda sense=1.0, pitch=PITCH, wing=True: jax.tree.map(lambda v: v[0], solve(pitch, sense, wing))
 
 
 @pytest.fixture(scope="module")
@@ -288,6 +296,24 @@ def test_a_rotor_behind_another_works_in_its_slipstream(tandem, in_stream):
     opposed = tandem(-1.0)
     between = 0.5 * (rear + float(opposed.thrust[1]))  # swirl changes it by as much either way
     assert between - front == pytest.approx(faster - alone, rel=0.15)
+
+
+def test_a_rotor_behind_another_without_any_wing(tandem):
+    """A wing at no incidence adds little: without it the rear rotor loses as much in the front rotor's jet."""
+    with_wing, without = tandem().thrust, tandem(wing=False).thrust
+    np.testing.assert_allclose(without, with_wing, rtol=0.02)
+    assert without[1] < 0.9 * without[0]
+
+
+def test_derivatives_of_rotors_without_any_wing(tandem):
+    """By the pitch of both, through the equilibrium of the two, against central differences."""
+    x = Controls(jnp.zeros(()), jnp.zeros(()), jnp.zeros(0), jnp.full(2, PITCH), jnp.zeros(0))
+    at = Setting(make_system([], coaxial(), TANDEM, flow().mach, MODEL), coaxial(), flow(), 2.2, 16.0)
+    found, _ = jax.jit(lambda x: settle(find_root(x, at, TANDEM), x, at, TANDEM))(x)
+    slope = np.sum(found.by.loads.thrust[0, :, 2:], axis=-1)
+    step = 1e-4
+    ends = [tandem(pitch=PITCH + sign * step, wing=False).thrust for sign in (1.0, -1.0)]
+    np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2 * step), rtol=1e-6)
 
 
 def test_a_counter_rotating_rotor_takes_up_the_swirl(tandem, in_stream):
