@@ -19,6 +19,7 @@ from hera_om.physics.wingbox_types import CRITERIA, PANELS
 
 SHEETS = ("t_skin_upper", "t_skin_lower", "t_web_front", "t_web_rear")
 AREAS = {"A_cap_root", "A_stringer_root"}
+REQUIRED = 1.5
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
 
 
@@ -129,22 +130,31 @@ def draw_deflection(box: dict[str, Any], factor: float):
 
 
 def draw_reserves(component, bounds):
-    """RFC and RFT over the areas of caps and stringers inside their bounds, at the loads of the baseline."""
+    """RFC and RFT over both areas inside their bounds, at the loads of the baseline; red where less than asked."""
     evaluate, values = component.call()[0], component.values(component._inputs)
     fixed = component.structure, component.statics, tuple(component.paths.items()), component.base, component.constants
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4), sharey=True, layout="constrained")
-    for axis, name in zip(axes, sorted(AREAS), strict=True):
-        place = bounds.names.index(name)
-        areas = np.linspace(bounds.lower[place], bounds.upper[place], 15)
-        found = [evaluate(*fixed, values | {name: np.asarray(area)}) for area in areas]
-        for reserve in ("RFC", "RFT"):
-            axis.plot(1e4 * areas, [float(f[reserve]) for f in found], ".-", label=reserve)
-        axis.axhline(1.5, color="k", lw=0.8)
-        axis.axvline(1e4 * bounds.baseline[place], color="k", lw=0.5, ls=":")
-        axis.set_xlabel(f"{name} [cm2]")
-        axis.grid(lw=0.3)
-    axes[0].set_ylabel("reserve factor")
-    axes[0].legend()
+    names = sorted(AREAS)
+    places = [bounds.names.index(name) for name in names]
+    caps, stringers = (np.linspace(bounds.lower[p], bounds.upper[p], 13) for p in places)
+
+    def at(cap: float, stringer: float):
+        given = {name: np.asarray(area) for name, area in zip(names, (cap, stringer), strict=True)}
+        return evaluate(*fixed, values | given)
+
+    found = [[at(cap, stringer) for cap in caps] for stringer in stringers]
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.6), sharey=True, layout="constrained")
+    for axis, reserve in zip(axes, ("RFC", "RFT"), strict=True):
+        value = np.array([[float(f[reserve]) for f in row] for row in found])
+        axis.contourf(1e4 * caps, 1e4 * stringers, value, [0.0, REQUIRED], colors=["tab:red"], alpha=0.25)
+        lines = axis.contour(1e4 * caps, 1e4 * stringers, value, np.arange(0.4, 3.0, 0.2), colors="0.5", linewidths=0.8)
+        axis.clabel(lines, fmt="%.1f")
+        limit = axis.contour(1e4 * caps, 1e4 * stringers, value, [REQUIRED], colors="tab:red", linewidths=2)
+        axis.clabel(limit, fmt="%.1f")
+        axis.plot(*(1e4 * bounds.baseline[p] for p in places), "k*", ms=11, label="baseline")
+        axis.set_title(f"{reserve}, {'compression' if reserve == 'RFC' else 'tension'}; at least {REQUIRED} asked")
+        axis.set_xlabel("A_cap_root [cm2]")
+    axes[0].set_ylabel("A_stringer_root [cm2]")
+    axes[0].legend(loc="lower right")
     return figure
 
 
