@@ -96,8 +96,8 @@ def model_II(reference):
 
 
 def model_II_rows(reference):
-    """Rows of the table: the slope of lift within 17 %, its value at 0 deg within 40 %, drag within 12 %."""
-    tolerances = {"change of CL at 0 deg": 0.40, "change of CL by deg": 0.17, "change of CD at 0 deg": 0.12}
+    """Rows of the table: the slope of lift within 17 %, its value at 0 deg within 34 %, drag within 12 %."""
+    tolerances = {"change of CL at 0 deg": 0.34, "change of CL by deg": 0.17, "change of CD at 0 deg": 0.12}
     source = "Sinnige et al. 2019, Model II"
     found = model_II(reference).items()
     return [(f"J = {J:.2f}", n, *v, tolerances[n], source) for (J, n), v in found if n in tolerances]
@@ -106,7 +106,7 @@ def model_II_rows(reference):
 def test_model_II(reference):
     """Slopes within 17 % (asked: 15 %; J 0.9 and 0.8 are within 8 %), drag at 0 deg within 12 %.
 
-    The change of lift at 0 deg is 30 to 38 % too small (asked: 20 %). What is missing does not depend on the
+    The change of lift at 0 deg is 24 to 33 % too small (asked: 20 %). What is missing does not depend on the
     incidence, and is about 0.01; no run of ours isolates it. See docs/theory/rotors_and_slipstream.md.
     """
     hold(model_II_rows(reference))
