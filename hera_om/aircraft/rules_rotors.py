@@ -11,6 +11,8 @@ from hera_om.aircraft.rotors import Rotor, hub_ys
 from hera_om.aircraft.rules import Finding
 
 NEAR = 1.1
+NACELLE = 0.6
+"""Widest nacelle over the diameter: a third of the disk's area (choice)."""
 
 
 class Disk(NamedTuple):
@@ -31,6 +33,7 @@ def rotor_findings(aircraft: Aircraft) -> Iterator[Finding]:
     for rotor in aircraft.rotor:
         yield from _pitch(rotor)
         yield from _solidity(aircraft, rotor)
+        yield from _nacelle(rotor)
     yield from _alike(aircraft)
     yield from _failed(aircraft)
     if placing:
@@ -76,6 +79,14 @@ def _pitch(rotor: Rotor) -> Iterator[Finding]:
     elif not low <= rotor.beta75_deg <= high:
         expected = f"between beta75_min_deg and beta75_max_deg, {low:g} to {high:g} [deg]"
         yield Finding(f"rotor.{rotor.name}.beta75_deg", rotor.beta75_deg, expected, "pitch")
+
+
+def _nacelle(rotor: Rotor) -> Iterator[Finding]:
+    """A nacelle that leaves most of the disk to the air."""
+    widest = NACELLE * rotor.diameter_m
+    if rotor.nacelle_diameter_m > widest:
+        expected = f"at most {NACELLE:g} of the diameter, {widest:g} [m]"
+        yield Finding(f"rotor.{rotor.name}.nacelle_diameter_m", rotor.nacelle_diameter_m, expected, "nacelle")
 
 
 def _solidity(aircraft: Aircraft, rotor: Rotor) -> Iterator[Finding]:

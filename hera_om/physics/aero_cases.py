@@ -34,6 +34,7 @@ class Rotors(NamedTuple):
     incidence: Float[Array, " m"]  # thrust tilted up, rad
     radius: Float[Array, " m"]
     hub_radius: Float[Array, " m"]
+    nacelle_radius: Float[Array, " m"]  # 0 without one
     r: Float[Array, "m nt"]  # blade tables: radius and chord over the tip radius, twist relative to 75 % radius in rad
     chord: Float[Array, "m nt"]
     twist: Float[Array, "m nt"]

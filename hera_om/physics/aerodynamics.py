@@ -251,7 +251,7 @@ class HalfLoads(NamedTuple):
 
 
 def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, lay: Layout):
-    """Loads of each half, and the mirrored part of the velocity at the filaments without their own."""
+    """Loads of each half, and the mirrored part of the velocity at the filaments that turns strengths into forces."""
     lattice, flow, halves = at.system.lattice, at.flow, sides(x)
     assert lattice is not None
     wash = jnp.zeros((len(halves), *lattice.points.shape)) if answer.wash is None else answer.wash
@@ -260,15 +260,17 @@ def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, l
     out, locals_ = [], []
     for i, side in enumerate(halves):
         local = onset(lattice.points, x, at, side) + wash[i]
-        strength = filament_strengths(lay, answer.gamma[i], None if odd is None else side * odd)
-        forces = filament_forces(lattice, strength, local + own[i])
+        faster = 1.0 + wash[i] @ wind(x, side)  # circulations and what they induce, from strengths: see `circulation`
+        strength = filament_strengths(lay, answer.gamma[i], None if odd is None else side * odd) / faster
+        full = local + own[i] / faster[:, None]
+        forces = filament_forces(lattice, strength, full)
         loads = strip_loads(lattice, lay, forces)
         drag, state = _profile(lattice, lay, loads, local, polars, flow)
         weight = jnp.asarray(lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer])
         slip = 2.0 * (weight * strength) @ (jnp.cross(wash[i], lattice.arms) @ wind(x, side))
         here = jnp.asarray(lay.weight * (lay.image if side < 0 else 1.0))
         out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, forces, state))
-        locals_.append(local)
+        locals_.append(full / faster[:, None])
     return out, both_parts(locals_)[0]
 
 
@@ -370,7 +372,4 @@ def _betadot(local, answer: Response, gamma_by, *, at: Setting, body: Body, lay:
 
 def _mean(local, answer: Response, at: Setting):
     """The mirrored part of the flow, about which rates are small."""
-    lattice = at.system.lattice
-    assert lattice is not None
-    gamma = both_parts(list(answer.gamma))[0]
-    return {"gamma": gamma, "velocity": local + lattice.even.velocity @ gamma, "mach": at.flow.mach}
+    return {"gamma": both_parts(list(answer.gamma))[0], "velocity": local, "mach": at.flow.mach}

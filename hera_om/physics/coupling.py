@@ -1,7 +1,7 @@
 """Lattice and rotors solved together: slipstream on the surfaces, upwash of the surfaces at the disks.
 
 The lattice is linear in the velocities of the slipstreams, so the coupled system reduces to the rotors'
-unknowns: the mean induced velocities of every annulus (two numbers by rotor and radius).
+unknowns: the mean induced velocities of every annulus (two numbers by rotor and radius) and its force across the shaft.
 
 In lateral flow everything has a leading axis of two halves: the starboard one, and the port one as the plane of
 symmetry mirrors it. There sideslip, roll and yaw rate change their signs and each command takes the sign of its
@@ -12,11 +12,22 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
-from hera_om.physics.disks import Found, Wake, at_other_disks, disk_points, jet_factors, mean_slipstreams, rotor_loads
+from hera_om.physics.disks import (
+    Found,
+    Wake,
+    at_other_disks,
+    disk_points,
+    mean_slipstreams,
+    rotor_loads,
+    slipstream_edges,
+    wake_behind,
+)
+from hera_om.physics.finite_jet import JetEdges, chord_shares
 from hera_om.physics.geometry import FLAT, Panels, surface_mesh
 from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
 from hera_om.physics.lattice_forces import pressure_cells
@@ -31,7 +42,7 @@ UPWASH = 1.0
 NEIGHBOURS = 1.0
 """Share of a rotor's slipstream that reaches other rotors."""
 FINITE_JET = 1.0
-"""Share of what the finite height of a slipstream takes from the circulation."""
+"""Share of what the edges of a slipstream do to the lift that it adds."""
 
 
 class SlenderInfluence(NamedTuple):
@@ -52,6 +63,7 @@ class System(NamedTuple):
     panels: tuple[Panels, ...] = ()
     cells: tuple[Float[Array, "_ _ 3"], ...] = ()  # see `lattice_forces.pressure_cells`
     slender: SlenderInfluence | None = None
+    shares: Array | None = None  # [n] of each panel in its strip, see `finite_jet.chord_shares`
     wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
     turn: Any = None  # derivative of all this by that angle, without factors
 
@@ -94,7 +106,7 @@ class Response(NamedTuple):
     """Lattice and rotors for given induced velocities."""
 
     flat: Float[Array, " u"]  # induced velocities that the rotors answer with
-    gamma: Float[Array, "h n"]  # circulations of each half
+    gamma: Float[Array, "h n"]  # lift by span of each half over density and square of the flight speed, m
     loads: RotorSolution | None
     wake: Wake | None
     upwash: Array | None = None  # of the lattice at the axis of a slender fuselage
@@ -105,7 +117,7 @@ class Jets(NamedTuple):
     """What slipstreams do at the collocation points of each half, one by one (axis k) or together."""
 
     velocity: Float[Array, "h *k n 3"]  # over the flight speed
-    factor: Float[Array, "h *k n"]  # of the normal velocity, see `finite_jet.jet_factor`
+    edges: JetEdges  # at the strips, each "h *k s"
 
 
 class Washes(NamedTuple):
@@ -182,7 +194,13 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
         fin = jnp.asarray(marked(panels, model.kinds, PLANE))[:, None]
         influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2])
     cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
-    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence)
+    shares = jnp.concatenate(
+        [
+            jnp.repeat(chord_shares(jnp.asarray(s.grid.xi)), p.strip_chord.shape[0])
+            for s, p in zip(surfaces, panels, strict=True)
+        ]
+    )
+    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence, shares)
 
 
 def make_surfaces(surfaces: list[Surface], model: Model) -> list[Panels]:
@@ -244,31 +262,63 @@ def both_parts(values: list[Array]) -> tuple[Array, Array | None]:
 
 
 def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Array, "h n"]:
-    """Ring circulations in the stream and in slipstreams, if any."""
+    """Strengths of the rings in the stream and in slipstreams, if any.
+
+    In a slipstream they are the circulations times mu = V_jet / V: lift, which is continuous at its edges, see
+    `finite_jet.jet_edges`.
+    """
     lattice, halves = at.system.lattice, sides(x)
     if lattice is None:
         return jnp.zeros((len(halves), 0))
-    needed = []
+    plain, added = [], []
     for i, side in enumerate(halves):
         normal = normals(lattice, x.delta, side)
-        wash = _wash(at, x, jets, i, side)
+        met, more = _met(at, x, jets, i, side)
         if at.system.slender is not None:
             field, (w, v) = at.system.slender.field, crossflow(body_motion(x, at, side), lattice.collocation[:, 0])
-            wash = field.shield[:, None] * wash + w[:, None] * field.by_w + v[:, None] * field.by_v
-        needed.append(-jnp.sum(wash * normal, axis=-1))
-    if len(needed) == 1:
-        return solve(lattice.even, needed[0])[None]
-    return solve_halves(lattice, *needed)
+            met = field.shield * met + jnp.sum((w[:, None] * field.by_w + v[:, None] * field.by_v) * normal, axis=-1)
+            more = field.shield * more
+        plain.append(-met)
+        added.append(-more)
+    found = _solved(lattice, plain)
+    if jets is None:
+        return found
+    relief = FINITE_JET * jets.edges.relief[:, _strip_of_panels(at.system)]
+    return found + (1.0 - relief) * _solved(lattice, added)
 
 
-def _wash(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> Float[Array, "n 3"]:
-    """Velocity that the panels of a half answer to, but for the lattice's own and the body's."""
+def _solved(lattice: Lattice, needed: list[Array]) -> Float[Array, "h n"]:
+    """Strengths of the rings that bring the normal velocities of each half."""
+    return solve(lattice.even, needed[0])[None] if len(needed) == 1 else solve_halves(lattice, *needed)
+
+
+def _met(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> tuple[Array, Array]:
+    """Normal velocities that the panels of a half meet in the plain stream, and what slipstreams add to them.
+
+    But for the lattice's own and the body's; in a slipstream times mu, see `circulation`.
+    """
     lattice = at.system.lattice
     assert lattice is not None
-    wash = onset(lattice.collocation, x, at, side)
+    normal = normals(lattice, x.delta, side)
+    met = jnp.sum(onset(lattice.collocation, x, at, side) * normal, axis=-1)
     if jets is None:
-        return wash
-    return (1.0 + FINITE_JET * (jets.factor[i] - 1.0))[:, None] * (wash + jets.velocity[i])
+        return met, jnp.zeros_like(met)
+    faster = jets.velocity[i] @ wind(x, side)
+    blown = jnp.sum(jets.velocity[i] * normal, axis=-1)
+    strip = _strip_of_panels(at.system)
+    assert at.system.shares is not None
+    taken = FINITE_JET * jets.edges.answer[i] * jnp.zeros(strip[-1] + 1).at[strip].add(at.system.shares * met)
+    return met, faster * met + (1.0 + faster) * blown - taken[strip]
+
+
+def _strip_of_panels(system: System) -> np.ndarray:
+    """Index of every panel's strip."""
+    first, parts = 0, []
+    for panels in system.panels:
+        rows, strips = panels.normal.shape[:2]
+        parts.append(np.tile(first + np.arange(strips), rows))
+        first += strips
+    return np.concatenate(parts)
 
 
 def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
@@ -282,10 +332,8 @@ def axis_upwash(at: Setting, x: Controls, jets: Jets | None = None) -> Array | N
     lattice, slender = at.system.lattice, at.system.slender
     if lattice is None or slender is None:
         return None
-    needed = [
-        -jnp.sum(_wash(at, x, jets, i, side) * normals(lattice, x.delta, side), axis=-1)
-        for i, side in enumerate(sides(x))
-    ]
+    both = [_met(at, x, jets, i, side) for i, side in enumerate(sides(x))]
+    needed = [-(met + added) for met, added in both]
     return slender.upwash @ solve(lattice.even, both_parts(needed)[0])
 
 
@@ -303,7 +351,12 @@ def unknowns(plan: RotorPlan | None, system: System, x: Controls) -> int:
     """Number of unknowns of the coupling: none where slipstreams meet neither surfaces nor other rotors."""
     if plan is None or (system.lattice is None and not plan.neighbours):
         return 0
-    return 2 * rotor_halves(plan, len(sides(x)) == 2) * len(plan.groups) * plan.radial
+    return rotor_halves(plan, len(sides(x)) == 2) * len(plan.groups) * of_a_rotor(plan)
+
+
+def of_a_rotor(plan: RotorPlan) -> int:
+    """Number of unknowns of one rotor: two induced velocities of every annulus, two forces across the shaft."""
+    return 2 * plan.radial + 2
 
 
 def rotor_halves(plan: RotorPlan, lateral: bool) -> int:
@@ -313,7 +366,8 @@ def rotor_halves(plan: RotorPlan, lateral: bool) -> int:
 
 def wake_of(flat: Float[Array, " u"], plan: RotorPlan, x: Controls) -> Wake:
     """The unknowns of the coupling as slipstreams."""
-    return Wake(*flat.reshape(2, rotor_halves(plan, len(sides(x)) == 2), len(plan.groups), plan.radial))
+    each = flat.reshape(rotor_halves(plan, len(sides(x)) == 2), len(plan.groups), of_a_rotor(plan))
+    return Wake(*jnp.split(each, [plan.radial, 2 * plan.radial], axis=-1))
 
 
 def washes(
@@ -332,17 +386,14 @@ def washes(
     if filaments:
         ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
     each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
-    across = each[:, :, :n]
-    jets = Jets(across, jet_factors(at.rotors, across, lattice.chord, air))
+    edges = slipstream_edges(at.rotors, plan, wake, lattice.strip_point, lattice.strip_chord, winds=air)
+    jets = Jets(each[:, :, :n], jax.tree.map(lambda v: SLIPSTREAM * v, edges))
     return Washes(jets, disks, each[:, :, n:] if filaments else None)
 
 
 def together(each: Washes) -> Washes:
-    """All slipstreams: velocities add, and jets that overlap count as one after the other."""
-    jets = each.jets
-    if jets is not None:
-        jets = Jets(jnp.sum(jets.velocity, axis=1), jnp.prod(jets.factor, axis=1))
-    return Washes(jets, *[None if v is None else jnp.sum(v, axis=1) for v in each[1:]])
+    """All slipstreams: what they do adds up."""
+    return jax.tree.map(lambda v: jnp.sum(v, axis=1), each)
 
 
 def respond(
@@ -366,11 +417,10 @@ def respond(
         return Response(flat, circulation(at, x), None, None, axis_upwash(at, x))
     if wash is None:
         loads = _disk_loads(at.rotors, at, x, None, None, plan=plan, phi=phi)
-        wake = Wake(loads.v_axial / at.flow.speed, loads.v_swirl / at.flow.speed)
-        return Response(flat, circulation(at, x), loads, wake)
+        return Response(flat, circulation(at, x), loads, wake_behind(loads, at.rotors, at.flow))
     gamma = circulation(at, x, wash.jets)
     loads = _disk_loads(at.rotors, at, x, gamma, wash.disks, plan=plan, phi=phi)
-    answer = jnp.concatenate([loads.v_axial.ravel(), loads.v_swirl.ravel()]) / at.flow.speed
+    answer = jnp.concatenate(wake_behind(loads, at.rotors, at.flow), axis=-1).ravel()
     return Response(answer, gamma, loads, wake_of(flat, plan, x), axis_upwash(at, x, wash.jets), wash.filaments)
 
 

@@ -8,10 +8,18 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
-from hera_om.physics.finite_jet import ROUND_JET, jet_factor
+from hera_om.physics.finite_jet import JetEdges, jet_edges
 from hera_om.physics.lattice import MIRROR
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
-from hera_om.physics.slipstream import slipstream_velocity
+from hera_om.physics.slipstream import (
+    axial_development,
+    contraction,
+    disk_mean,
+    displacement,
+    loading,
+    skew,
+    slipstream_velocity,
+)
 from hera_om.physics.windmilling import Known, feathering_pitch, windmilling_speed
 
 EDGE_WIDTH = 0.1
@@ -23,6 +31,10 @@ SMEARED = 0.8
 """Least width of that edge over the width of a strip: twice the distance of the points where a strip samples it."""
 TINY = 1e-12
 """Keeps the length of a segment along the stream differentiable, m."""
+NEARBY = 0.25
+"""Square of the distance over the radius within which a slipstream's share of the relief is nearly one (choice)."""
+AXIS_CORE = 1e-6
+"""Radius over rotor radius under which the distance from the centre line is rounded off."""
 GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
 GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
@@ -43,6 +55,14 @@ class Wake(NamedTuple):
 
     axial: Float[Array, "h m nr"]
     swirl: Float[Array, "h m nr"]
+    side: Float[Array, "h m 2"]  # force on the air in the plane of the disk over rho A V^2, shaft axes y and z
+
+
+def wake_behind(loads: RotorSolution, rotors: Rotors, flow: Flow) -> Wake:
+    """What rotors with such loads (forces in geometry axes) leave behind."""
+    force = jnp.einsum("hmi,mji->hmj", loads.force, shaft_axes(rotors.incidence)[:, 1:])
+    pressure = flow.density * flow.speed**2 * jnp.pi * rotors.radius[:, None] ** 2
+    return Wake(loads.v_axial / flow.speed, loads.v_swirl / flow.speed, -force / pressure)
 
 
 def shaft_axes(incidence: Float[Array, " m"]) -> Float[Array, "m 3 3"]:
@@ -185,41 +205,69 @@ def slipstreams(
     at the points and those of the other half at the mirrored points. ``winds`` are the directions of the free
     stream as the halves see it, ``blur`` (m) what widens the edges of the slipstreams at each point.
     """
-    r = blades(rotors, plan).r
-    axes = shaft_axes(rotors.incidence)[:, 0]
+    smeared = jnp.zeros(points.shape[0]) if blur is None else blur
 
-    def one(at, hub, axis, radius, r, axial, swirl, sense, wind):
-        speed = axis @ wind
+    def one(at, smeared, slip):
+        axis = slip.axes[0]
+        speed = axis @ slip.wind
         return slipstream_velocity(
             at,
-            hub=hub,
+            hub=slip.hub,
             axis=axis,
-            radius=radius,
-            r=r,
-            v_axial=axial,
-            v_swirl=swirl,
-            sense=sense,
+            radius=slip.radius,
+            r=slip.r,
+            v_axial=slip.axial,
+            v_swirl=slip.swirl,
+            sense=slip.sense,
             speed=speed,
-            edge_width=jnp.sqrt((EDGE_WIDTH * radius) ** 2 + smeared**2),
-            cross_stream=wind - speed * axis,
+            edge_width=jnp.sqrt((EDGE_WIDTH * slip.radius) ** 2 + smeared**2),
+            cross_stream=slip.wind - speed * axis,
+            cross_force=slip.side @ slip.axes[1:],
+            displaced=slip.displaced,
         )
 
-    mirror, n = jnp.asarray(MIRROR), points.shape[0]
-    both = jnp.concatenate([points, points * mirror])
-    smeared = jnp.zeros(2 * n) if blur is None else jnp.tile(blur, 2)
-    halves = wake.axial.shape[0]
-    of_rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), (rotors.hub, axes, rotors.radius, r))
-    flat = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), (wake.axial, wake.swirl))
-    cases = (
-        *of_rotor,
-        *flat,
-        jnp.tile(rotors.sense, halves),
-        jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0),
-    )
-    each = jax.lax.map(lambda c: one(both, *c), cases).reshape(halves, -1, *both.shape)
-    own, other = each[:, :, :n], each[:, :, n:] * mirror
+    own, other = _seen(one, rotors, plan, wake, (points, smeared), winds=winds)
+    return _by_halves(plan, own, other * jnp.asarray(MIRROR), len(winds))
+
+
+class _Slipstream(NamedTuple):
+    """One rotor of one half and what its slipstream is made of."""
+
+    hub: Array
+    axes: Array
+    radius: Array
+    sense: Array
+    displaced: Array
+    r: Array
+    axial: Array
+    swirl: Array
+    side: Array
+    wind: Array
+
+
+def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple[Array, ...], *, winds: Float[Array, "h 3"]):
+    """``one`` of every slipstream of every half [h m n ...], at the points and at the mirrored points.
+
+    ``at`` are points [n 3] and what else belongs to each of them; ``one(*at, slipstream)`` has n rows.
+    """
+    halves, n = wake.axial.shape[0], at[0].shape[0]
+    displaced = jnp.maximum(rotors.nacelle_radius**2 - rotors.hub_radius**2, 0.0)
+    axes, r = shaft_axes(rotors.incidence), blades(rotors, plan).r
+    of_rotor = (rotors.hub, axes, rotors.radius, rotors.sense, displaced, r)
+    every = jax.tree.map(lambda v: jnp.concatenate([v] * halves), of_rotor)
+    strength = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), tuple(wake))
+    wind = jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0)
+    cases = _Slipstream(*(*every, *strength, wind))
+    both = (jnp.concatenate([at[0], at[0] * jnp.asarray(MIRROR)]), *[jnp.concatenate([v] * 2) for v in at[1:]])
+    each = jax.lax.map(lambda slip: one(*both, slip), cases)
+    each = jax.tree.map(lambda v: v.reshape(halves, -1, *v.shape[1:]), each)
+    return jax.tree.map(lambda v: v[:, :, :n], each), jax.tree.map(lambda v: v[:, :, n:], each)
+
+
+def _by_halves(plan: RotorPlan, own: Array, other: Array, halves: int) -> Array:
+    """All slipstreams that each half sees: its own, then those of the other half."""
     if plan.sides == 1:  # rotors in the plane of symmetry have no image
-        return jnp.concatenate([own, other])[: len(winds)]
+        return jnp.concatenate([own, other])[:halves]
     return jnp.concatenate([own, other[::-1]], axis=1)
 
 
@@ -242,11 +290,42 @@ def at_other_disks(
     return (1.0 - jnp.eye(each.shape[1], points.shape[0]))[:, :, None, None, None] * each
 
 
-def jet_factors(
-    rotors: Rotors, washes: Float[Array, "h k p 3"], chord: Float[Array, " p"], winds: Float[Array, "h 3"]
-) -> Float[Array, "h k p"]:
-    """What the finite height of each jet leaves of the circulation, see `finite_jet.jet_factor`."""
-    radius = jnp.tile(rotors.radius, washes.shape[1] // rotors.radius.shape[0])
-    ratio = 1.0 + jnp.einsum("hkpi,hi->hkp", washes, winds)
-    height = jnp.broadcast_to(ROUND_JET * radius[:, None] / chord, ratio.shape)
-    return jet_factor(height, ratio)
+def slipstream_edges(
+    rotors: Rotors,
+    plan: RotorPlan,
+    wake: Wake,
+    points: Float[Array, "n 3"],
+    chord: Float[Array, " n"],
+    *,
+    winds: Float[Array, "h 3"],
+) -> JetEdges:
+    """What the edges of each slipstream do to surfaces at the points of each half, axes [h k n].
+
+    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance.
+    """
+
+    def one(at, chord, slip):
+        axis = slip.axes[0]
+        speed = axis @ slip.wind
+        v_mean = disk_mean(slip.r, slip.axial, slip.radius)
+        offset = at - slip.hub
+        x = offset @ axis
+        across = offset - x[:, None] * (axis + skew(slip.wind - speed * axis, v_mean, speed))
+        distance = jnp.sqrt(jnp.sum(across**2, axis=1) + (AXIS_CORE * slip.radius) ** 2)
+        grown = axial_development(x, slip.radius)
+        half = 0.5 * (slip.r[1] - slip.r[0])
+        narrowing = contraction(grown, loading(v_mean, speed))[:, None] * jnp.append(slip.r - half, slip.r[-1] + half)
+        steps = jnp.sqrt(narrowing**2 + displacement(grown, slip.displaced)[:, None])
+        edges = jet_edges(
+            distance,
+            chord,
+            radius=steps,
+            excess=(1.0 + (1.0 + grown)[:, None] * slip.axial) ** 2 - 1.0,
+            share=4.0 * half * slip.r / slip.radius**2,
+        )
+        beside = jnp.sum((offset - x[:, None] * axis) ** 2, axis=1) / slip.radius**2
+        return edges, (NEARBY + beside) ** -2
+
+    seen = _seen(one, rotors, plan, wake, (points, chord), winds=winds)
+    edges, near = jax.tree.map(lambda own, other: _by_halves(plan, own, other, len(winds)), *seen)
+    return edges._replace(relief=edges.relief * near / jnp.sum(near, axis=1, keepdims=True))

@@ -11,10 +11,10 @@ from jaxtyping import Array, Float
 from hera_om.physics.aero_cases import RotorPlan
 from hera_om.physics.coupling import (
     Controls,
-    Jets,
     Response,
     Setting,
     Washes,
+    of_a_rotor,
     respond,
     rotor_halves,
     sides,
@@ -31,7 +31,8 @@ MAX_ITERATIONS = 60  # of the coupling; the residual is an output, so that a fai
 class Root(NamedTuple):
     """Equilibrium found without derivatives."""
 
-    flat: Float[Array, " u"]  # induced velocities over flight speed: axial, then swirl, by half, rotor and radius
+    # by half and rotor: axial, then swirl over flight speed by radius, then the force across the shaft
+    flat: Float[Array, " u"]
     phi: Found | None  # inflow angles of the blade elements there, rad; speed and pitch of the rotors
 
 
@@ -144,8 +145,8 @@ def linearised(root: Root, x: Controls, at: Setting, plan: RotorPlan | None) -> 
         by = jax.jacfwd(lambda v: respond(root.flat, unpack(v), at, plan, root.phi))(first)
         return respond(root.flat, x, at, plan, root.phi), by
     halves, lateral = rotor_halves(plan, len(sides(x)) == 2), x.lateral.shape[0]
-    colours = np.eye(2 * plan.radial).reshape(-1, 2, 1, 1, plan.radial)
-    seeds = np.broadcast_to(colours, (2 * plan.radial, 2, halves, len(plan.groups), plan.radial))
+    c = of_a_rotor(plan)
+    seeds = np.broadcast_to(np.eye(c)[:, None, None], (c, halves, len(plan.groups), c))
     turning = [0, s - lateral] if lateral else [0]  # slipstreams feel the direction of the stream alone
 
     def field(v):
@@ -156,9 +157,8 @@ def linearised(root: Root, x: Controls, at: Setting, plan: RotorPlan | None) -> 
 
     rows = [np.pad(seeds.reshape(-1, n), ((0, 0), (0, s))), np.eye(n + s)[n + np.array(turning)]]
     each, by_each = jax.vmap(push, out_axes=(None, 0))(jnp.asarray(np.concatenate(rows)))
-    c = 2 * plan.radial
-    by_unknowns = _of_each_rotor(each, jax.tree.map(lambda d: d[:c], by_each), plan, len(sides(x)))
-    by_stream = _sum(each, jax.tree.map(lambda d: d[c:], by_each))
+    by_unknowns = _of_each_rotor(jax.tree.map(lambda d: d[:c], by_each), plan, len(sides(x)))
+    by_stream = jax.tree.map(lambda d: jnp.sum(d[c:], axis=2), by_each)
     by_state = jax.tree.map(lambda d: jnp.zeros((s, *d.shape[1:])).at[np.array(turning)].set(d), by_stream)
     by_wash = jax.tree.map(lambda *rows: jnp.concatenate(rows), by_unknowns, by_state)
 
@@ -171,29 +171,12 @@ def linearised(root: Root, x: Controls, at: Setting, plan: RotorPlan | None) -> 
     return jax.vmap(along, out_axes=(None, -1))(by_wash, jnp.eye(n + s))
 
 
-def _of_each_rotor(each: Washes, by: Washes, plan: RotorPlan, halves: int) -> Washes:
+def _of_each_rotor(by: Washes, plan: RotorPlan, halves: int) -> Washes:
     """Changes of the whole by every unknown, from changes of all slipstreams by one unknown of each rotor."""
     whose = jnp.asarray(made_by(plan, halves), float)
 
     def spread(d):
-        by_name = d.reshape(2, plan.radial, *d.shape[1:])
-        out = jnp.einsum("abhk,frhk...->fabrh...", whose, by_name)
-        return out.reshape(-1, *out.shape[4:])
+        out = jnp.einsum("abhk,chk...->abch...", whose, d)
+        return out.reshape(-1, *out.shape[3:])
 
-    jets = None if by.jets is None else Jets(spread(by.jets.velocity), spread(_by_factors(each, by)))
-    return Washes(jets, *[None if d is None else spread(d) for d in by[1:]])
-
-
-def _sum(each: Washes, by: Washes) -> Washes:
-    """Changes of the whole from changes of all slipstreams."""
-    jets = by.jets
-    if jets is not None:
-        jets = Jets(jnp.sum(jets.velocity, axis=2), jnp.sum(_by_factors(each, by), axis=2))
-    return Washes(jets, *[None if d is None else jnp.sum(d, axis=2) for d in by[1:]])
-
-
-def _by_factors(each: Washes, by: Washes) -> Float[Array, "c h k n"]:
-    """Change of the product of all factors by the change of each."""
-    assert each.jets is not None and by.jets is not None
-    factors = each.jets.factor
-    return jnp.prod(factors, axis=1, keepdims=True) / factors * by.jets.factor
+    return jax.tree.map(spread, by)

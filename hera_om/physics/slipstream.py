@@ -21,6 +21,8 @@ SKEW = 1.0
 """Share of the tube's turn towards the free stream."""
 CROSSFLOW = 1.0
 """Share of the flow across a skewed tube."""
+TURN = 1.0
+"""Share of the turn of the tube by the rotor's own force in the plane of its disk."""
 HUB_BLEND = 0.25
 """The profiles fade to zero between 1 + and 1 - this fraction of the radius of the innermost element's
 inner edge."""
@@ -89,6 +91,11 @@ def contraction(kappa: Float[Array, "..."], disk_loading: ScalarLike) -> Float[A
     return 1.0 / jnp.sqrt(1.0 + disk_loading * kappa)
 
 
+def displacement(kappa: Float[Array, "..."], displaced: ScalarLike) -> Float[Array, "..."]:
+    """What a nacelle adds to the square of every radius of the tube: all far behind, half at the disk (choice)."""
+    return displaced * (1.0 + kappa) / 2.0
+
+
 def disk_layer(x: Float[Array, " n"], radius: ScalarLike) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
     """Sign of x and distance from the disk, both rounded within ``DISK_CORE`` radii; there exact.
 
@@ -110,6 +117,34 @@ def skew(
     through = speed + v_mean
     positive = jnp.abs(through) > 1e-9
     return SKEW * jnp.where(positive, cross_stream / jnp.where(positive, through, 1.0), 0.0)
+
+
+def turn(
+    cross_force: Float[Array, "3"] | ScalarLike, v_mean: ScalarLike, speed: ScalarLike
+) -> tuple[Float[Array, "3"] | Float[Array, ""], Float[Array, "3"] | Float[Array, ""]]:
+    """Velocity across the tube far behind a rotor that pushes across its shaft: of the tube, and of its surroundings.
+
+    A long tube of speed V_j at the angle delta to a stream of speed V carries rho A_s V_j^2 delta across the stream;
+    the stream flows around it as around a cylinder that moves by V delta, whose apparent mass is as much air as the
+    cylinder holds. The force is N = rho A_s (V_j^2 + V^2) delta, and A_s V_j = A (V + v), so that
+
+        V_j delta = N / (rho A (V + v)) V_j^2 / (V_j^2 + V^2),    V delta = V / V_j times that, V_j = V + 2 v .
+
+    The thrust's part across the stream, T sin(alpha), turns the tube by the same law: to second order in v / V
+    that is `skew`.
+
+    Source: Ribner, NACA Report 820 (1945), for the shares of tube and surroundings.
+
+    Arguments:
+        cross_force: force on the air across the shaft over rho A, m^2/s^2.
+        v_mean: mean induced axial velocity at the disk, m/s.
+        speed: axial speed of the stream, m/s.
+    """
+    through, jet = speed + v_mean, speed + 2.0 * v_mean
+    positive = jnp.abs(through) > 1e-9
+    squares = (jet**2 + jnp.square(speed)) * through
+    rate = TURN * jnp.where(positive, cross_force * jet / jnp.where(positive, squares, 1.0), 0.0)
+    return rate * jet, rate * speed
 
 
 def crossflow(s2: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
@@ -149,6 +184,8 @@ def slipstream_velocity(
     speed: ScalarLike,
     edge_width: ScalarLike | Float[Array, " n"],
     cross_stream: Float[Array, "3"] | ScalarLike = 0.0,
+    cross_force: Float[Array, "3"] | ScalarLike = 0.0,
+    displaced: ScalarLike = 0.0,
 ) -> Float[Array, "n 3"]:
     """Velocity that a rotor adds to the flow at ``points``: the mean flow of its vortex system.
 
@@ -163,7 +200,8 @@ def slipstream_velocity(
     and +v_axial just ahead: the velocity at the disk is v_axial, doubles behind, and on the axis of a uniform disk
     grows as 1 + x / sqrt(x^2 + R^2). Off the disk it is free of divergence and of vorticity and falls off as a
     sink's. Tip and root vortices leave no swirl ahead of the disk or outside the tube. In a stream at an angle to
-    the shaft the walls of the skewed tube add v_mean (1 + x / sqrt(x^2 + R^2)) / 2 times `crossflow`.
+    the shaft the walls of the skewed tube add v_mean (1 + x / sqrt(x^2 + R^2)) / 2 times `crossflow`. A force across
+    the shaft adds half (1 + x / sqrt(x^2 + R^2)) times `turn`, the flow around a cylinder outside the tube.
 
     Source: Branlard and Gaunaa, Wind Energy 18 (2015) 1973-1987 (tubes, root vortex); Conway, Journal of Fluid
     Mechanics 297 (1995) 327-355 (radial load); McCormick, Aerodynamics of V/STOL Flight (1967) (contraction).
@@ -181,6 +219,8 @@ def slipstream_velocity(
         edge_width: width, m at the disk, one or by point, over which the profile goes to zero, centred on the edge
             of the tube by a quintic step.
         cross_stream: velocity of the undisturbed stream across the shaft, m/s.
+        cross_force: force on the air across the shaft over rho pi R^2, m^2/s^2.
+        displaced: square of a nacelle's radius less that of the hub, m^2: the air of the tube stands outside of it.
 
     Returns:
         Velocity in the axes of ``points``, m/s; twice differentiable in every argument.
@@ -192,8 +232,10 @@ def slipstream_velocity(
     slope = jnp.broadcast_to(skew(cross_stream, v_mean, speed), (3,))
     half = 0.5 * (r[1] - r[0])
     amplitudes = ENTRAINMENT * disk_amplitudes(jnp.append(r - half, r[-1] + half), v_axial, radius)
-    place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense)))
-    strength = _Strength(jnp.stack([v_axial, v_swirl], axis=1), amplitudes, CROSSFLOW * 0.5 * v_mean * slope)
+    place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense, displaced)))
+    inside, outside = (0.5 * jnp.broadcast_to(v, (3,)) for v in turn(cross_force, v_mean, speed))
+    push = CROSSFLOW * 0.5 * v_mean * slope
+    strength = _Strength(jnp.stack([v_axial, v_swirl], axis=1), amplitudes, push, inside, outside)
     return _flow(place, _Shape(loading(v_mean, speed), slope), strength)
 
 
@@ -207,6 +249,7 @@ class _Place(NamedTuple):
     r: Array
     edge_width: Array
     sense: Array
+    displaced: Array
 
 
 class _Shape(NamedTuple):
@@ -221,7 +264,9 @@ class _Strength(NamedTuple):
 
     profiles: Array  # axial and swirl velocity at the disk
     amplitudes: Array  # of the sinks
-    push: Array  # across the tube
+    push: Array  # across the tube, of its walls
+    inside: Array  # across, by the force across the shaft: of the tube
+    outside: Array  # and of the cylinder that its surroundings flow around
 
 
 @jax.custom_jvp
@@ -250,7 +295,7 @@ _flow.defjvp(_flow_rule, symbolic_zeros=True)
 
 
 def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array, "n 3"]:
-    axis, radius, slope, push = place.axis, place.radius, shape.slope, strength.push
+    axis, radius, slope = place.axis, place.radius, shape.slope
     offset = place.points - place.hub
     x = offset @ axis
     radial = offset - x[:, None] * axis
@@ -260,15 +305,22 @@ def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array,
     narrowing = contraction(kappa, shape.loading)
     # The vector from the centre line is radial - x slope: only its products with vectors are formed.
     inner2 = r2 - x * (2.0 * radial @ slope - x * (slope @ slope)) + (AXIS_CORE * radius) ** 2
-    from_centre = jnp.sqrt(inner2)
-    tube = _tube_profile(from_centre / narrowing, place.r, radius, place.edge_width, strength.profiles)
+    beside = displacement(kappa, place.displaced)
+    at_disk = jnp.sqrt(jnp.maximum(inner2 - beside, (AXIS_CORE * radius) ** 2)) / narrowing
+    tube = _tube_profile(at_disk, place.r, radius, place.edge_width, strength.profiles)
     along, inward = disk_velocity(distance, r2, radius, amplitudes=strength.amplitudes)
     axial = tube[:, 0] * (1.0 + sign) + sign * along
-    swirl = place.sense * tube[:, 1] * (1.0 + sign) / narrowing / from_centre
-    across, outward = crossflow(inner2 / radius**2)
-    outward = (1.0 + kappa) * outward * (radial @ push - x * (slope @ push)) / radius**2
-    parts = [axial, inward + outward, swirl, (1.0 + kappa) * across, -x * outward, -x * swirl]
-    vectors = [axis, radial, jnp.cross(axis, radial), push, slope, jnp.cross(axis, slope)]
+    swirl = place.sense * tube[:, 1] * (1.0 + sign) * at_disk / inner2
+    square = (radius * narrowing) ** 2 + beside
+    s2 = inner2 / square
+    across, outward = crossflow(s2)
+    wall = strength.push - strength.outside
+    radially = (1.0 + kappa) * outward * (radial @ wall - x * (slope @ wall)) / square
+    within = (1.0 + kappa) / (1.0 + jnp.minimum(s2, 1e3) ** 8)
+    parts = [axial, inward + radially, swirl, -x * radially, -x * swirl]
+    vectors = [axis, radial, jnp.cross(axis, radial), slope, jnp.cross(axis, slope)]
+    parts += [(1.0 + kappa) * across, (1.0 + kappa) * (across + s2 * outward), within]
+    vectors += [strength.push, strength.outside, strength.inside - strength.outside]
     return sum((part[:, None] * vector for part, vector in zip(parts, vectors, strict=True)), jnp.zeros(3))
 
 

@@ -63,6 +63,7 @@ ONE_FAULT = [
     ("[[rotor]]:hybrid", "y_m", "y_m = 0.0", "rotor.hybrid.y_m", 0.0, "symmetry plane"),
     ("[[rotor]]:electric", "y_m", "y_m = 7.0", "rotor.electric.y_m", 7.0, "the disks overlap"),
     ("[[rotor]]:hybrid", "beta75_deg", "beta75_deg = 61.0", "rotor.hybrid.beta75_deg", 61.0, "40 to 60"),
+    ("[[rotor]]:hybrid", "count_per_side", "count_per_side = 1\nnacelle_diameter_m = 3.0", "rotor.hybrid.nacelle_diameter_m", 3.0, "at most"),
     ("[[rotor]]:hybrid", "beta75_min_deg", "beta75_min_deg = 70.0", "rotor.hybrid.beta75_min_deg", 70.0, "less than"),
     ("[[rotor]]:hybrid", "z_offset_m", "", "rotor.hybrid", "x_ahead_of_leading_edge_m", "either"),
     ("[[rotor]]:hybrid", "z_offset_m", "z_offset_m = 0.0\nx_m = 1.0\nz_m = 0.0", "rotor.hybrid", "x_ahead_of_leading_edge_m, z_offset_m, x_m, z_m", "either"),

@@ -210,7 +210,33 @@ MUTATIONS = {
     "swirl_flipped_before_dust": Mutation(
         "sign of the swirl", SLIPSTREAMS, _mirrored_swirl, TUNNEL + "test_the_dipole_of_dust", wrap=True
     ),
-    "finite_jet_off": Mutation("height of the jets", ("coupling:FINITE_JET",), 0.0, TUNNEL + "test_model_II"),
+    "finite_jet_off": Mutation("edges of the jets", ("coupling:FINITE_JET",), 0.0, TUNNEL + "test_model_II"),
+    "edges_unanswered": Mutation(
+        "answer of a jet's edges to the wing",
+        ("finite_jet:edge_answer",),
+        _nothing,
+        PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.03-0.05]",
+        wrap=True,
+    ),
+    "edges_alike": Mutation(
+        "less of that answer near the axis of a jet",
+        ("finite_jet:CENTRE",),
+        0.0,
+        PHYSICS + "test_round_jet.py::test_lift_by_swirl[0.5-shape0-0.02]",
+    ),
+    "turn_off": Mutation(
+        "turn of slipstreams by forces across the shaft",
+        ("slipstream:TURN",),
+        0.0,
+        PHYSICS + "test_slipstream.py::test_a_force_across_the_shaft_is_the_momentum_far_behind[2.0-0.01]",
+    ),
+    "nacelle_off": Mutation(
+        "nacelle in the slipstream",
+        ("slipstream:displacement",),
+        _nothing,
+        PHYSICS + "test_slipstream.py::test_a_nacelle_pushes_the_tube_outwards",
+        wrap=True,
+    ),
     "skew_off": Mutation("turn of slipstreams to the stream", ("slipstream:SKEW",), 0.0, TUNNEL + "test_model_II"),
     "senses_swapped": Mutation(
         "names of the senses of rotation",

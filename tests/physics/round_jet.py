@@ -7,7 +7,7 @@ wing dPhi/dz = -V^2 times the incidence. The edges are cylinders of sources sigm
 against the wing in the plain stream, so that there are no tips; lifts are over the latter's.
 
 Sources run along x between the panels' ends and are integrated exactly, the first and the last to infinity. Symmetry
-by y = 0, reversed by z = 0.
+by y = 0, or the reverse for an odd load such as a swirl's; reversed by z = 0.
 """
 
 import numpy as np
@@ -53,9 +53,10 @@ def strips(radii, inside):
 
 
 class RoundJets:
-    """Influences for given radii, of loads that are symmetric along the span."""
+    """Influences for given radii, of loads that are symmetric along the span or reversed."""
 
-    def __init__(self, radii, chordwise=4, inside=12):
+    def __init__(self, radii, chordwise=4, inside=12, odd=False):
+        self.image = -1.0 if odd else 1.0  # of the load on the other half
         self.radii, self.chordwise = np.array(radii, float), chordwise
         edges, self.middle = strips(list(radii), inside)
         self.width, self.strips = np.diff(edges), len(self.middle)
@@ -63,8 +64,8 @@ class RoundJets:
         self.points = np.array([[x, y, 0.0] for x in self.met for y in self.middle])
 
         def influence(points):
-            pairs = [(edges[:-1], edges[1:]), (-edges[1:], -edges[:-1])]
-            each = [sum(horseshoes(points, x, *ends) for ends in pairs) for x in self.bound]
+            pairs = [(1.0, edges[:-1], edges[1:]), (self.image, -edges[1:], -edges[:-1])]
+            each = [sum(sign * horseshoes(points, x, *ends) for sign, *ends in pairs) for x in self.bound]
             return np.concatenate(each, axis=1)
 
         self.lattice = influence(self.points)[:, :, 2]
@@ -90,7 +91,7 @@ class RoundJets:
             step = (turn[j + 1] - turn[j]) / SUB
             for sy, sz, base in images:
                 angle = base + sy * sz * (turn[j] + (sub + 0.5) * step)
-                sign, rb = sz * step, self.radii[b]
+                sign, rb = sz * step * (1.0 if sy > 0 else self.image), self.radii[b]
                 for a, ra in enumerate(self.radii):
                     d2 = ra**2 + rb**2 - 2 * ra * rb * np.cos(middle - angle) + 1e-30
                     normal = (ra - rb * np.cos(middle - angle)) / d2 if a != b else np.full(AROUND, 0.5 / ra)
@@ -126,8 +127,11 @@ class RoundJets:
         right = 1 - self.speed(self.points[:, 1], speeds) ** 2 - edges * plain
         return self._strips(np.linalg.solve(self.lattice + edges * by_strip, right))
 
-    def modelled(self, speeds, factor):
-        """The same by a lattice in the plain stream that answers to F times the speed, with the jet's own force."""
-        y = self.points[:, 1]
-        change = self._strips(np.linalg.solve(self.lattice, 1 - self.speed(y, speeds) * factor(y)))
-        return self.speed(self.middle, speeds) * (1 + change) - 1
+    def swirled(self, speeds, swirl, edges=1.0):
+        """Lift by an upwash in the jets at the wing's points, over that of a plate so inclined in the plain stream."""
+        right = self.speed(self.points[:, 1], speeds) * swirl
+        return self._strips(np.linalg.solve(self.lattice + edges * self.answer(speeds)[0], -right))
+
+    def modelled(self, answer, relief, right):
+        """Change of lift by a lattice for the lift with `finite_jet`'s answer (at the points) and relief (by strip)."""
+        return (1.0 - relief) * self._strips(np.linalg.solve(self.lattice, right + answer))

@@ -252,7 +252,9 @@ def small_rotors(sense="inboard-up"):
     hub = jnp.array([[3.6, y, -0.1] for y in HUB_Y])
     tables = [jnp.tile(jnp.asarray(v), (2, 1)) for v in TABLE]
     sign = sense_sign(sense, 1.0) * ones
-    return Rotors(hub, 0.02 * ones, RADIUS * ones, 0.25 * ones, *tables, polar, 6.0 * ones, 130.0 * ones, sign)
+    return Rotors(
+        hub, 0.02 * ones, RADIUS * ones, 0.25 * ones, 0.0 * ones, *tables, polar, 6.0 * ones, 130.0 * ones, sign
+    )
 
 
 def small_flow():
@@ -357,7 +359,10 @@ def test_the_sense_of_rotation_decides_which_side_of_the_hub_is_lifted(power_on)
 
 
 def test_the_slipstream_raises_the_lift_slope_where_the_wing_is_immersed(power_on):
-    """Between the change of velocity and of dynamic pressure in the developed slipstream; least far away."""
+    """Less than the change of dynamic pressure in the developed slipstream; least far away.
+
+    Lift is continuous at the edge of a slipstream, so strips beside it gain as well.
+    """
     step = 0.01
 
     def slope(run):
@@ -366,10 +371,11 @@ def test_the_slipstream_raises_the_lift_slope_where_the_wing_is_immersed(power_o
 
     gain = slope(powered) / slope(unpowered)
     y = np.asarray(power_on.loads.surfaces.point)[:10, 1]
-    immersed = np.min(np.abs(y[:, None] - np.array(HUB_Y)), axis=1) < 1.0
+    immersed = np.min(np.abs(y[:, None] - np.array(HUB_Y)), axis=1) < RADIUS
     jet = 1 + 2 * np.max(np.asarray(power_on.wake.axial))
     assert np.all(gain[immersed] > 1.03) and np.all(gain < jet**2)
-    assert np.mean(gain[immersed]) > np.mean(gain[~immersed]) + 0.02
+    assert min(HUB_Y) - RADIUS < y[np.argmax(gain)] < max(HUB_Y) + RADIUS
+    assert max(gain[0], gain[-1]) < np.max(gain) - 0.01
 
 
 def test_without_rotors_the_parts_are_those_of_the_surfaces():

@@ -39,7 +39,7 @@ def rotor(y=3.0, incidence=0.1):
     tables = [jnp.asarray(v)[None] for v in TABLE]
     sense = sense_sign("inboard-up", 1.0) * one
     hub = jnp.array([[-1.6, y, 0.2]])
-    return Rotors(hub, incidence * one, 1.5 * one, 0.3 * one, *tables, polar, 6.0 * one, 130.0 * one, sense)
+    return Rotors(hub, incidence * one, 1.5 * one, 0.3 * one, 0.0 * one, *tables, polar, 6.0 * one, 130.0 * one, sense)
 
 
 def flow():
@@ -110,7 +110,7 @@ def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
 
 def test_the_mirrored_rotor_blows_the_mirrored_way():
     """With rotors on either side the field is a mirror image of itself and the sum of both."""
-    wake = Wake(jnp.full((1, 1, 4), 0.1), jnp.full((1, 1, 4), 0.05))
+    wake = Wake(jnp.full((1, 1, 4), 0.1), jnp.full((1, 1, 4), 0.05), jnp.zeros((1, 1, 2)))
     p = jnp.array([[0.5, 2.4, 0.3], [0.5, 3.5, 0.1], [2.0, 0.2, 0.0]])
     mirror = jnp.array([1.0, -1.0, 1.0])
     every, winds = jax.jit(slipstreams, static_argnums=1), jnp.array([[1.0, 0.0, 0.0]])
@@ -137,7 +137,7 @@ def test_onset_of_a_pitch_rate_by_hand():
 def test_equilibrium(at, root):
     answer = answer_at(root.flat, state(), at, root.phi)
     assert float(jnp.max(jnp.abs(answer.flat - root.flat))) < 1e-12
-    assert root.flat.shape == (unknowns(PLAN, at.system, state()),) == (8,)
+    assert root.flat.shape == (unknowns(PLAN, at.system, state()),) == (10,)
     assert np.all(np.asarray(root.flat)[:4] > 0.01)
 
 
@@ -153,7 +153,7 @@ def test_upwash_of_the_wing_loads_the_disk(at, root, monkeypatch):
 def test_the_slipstream_of_the_root_blows_the_wing(at, root):
     """Circulation of the strips abreast of the disk against that without any wake."""
     blown = answer_at(root.flat, state(), at, root.phi).gamma
-    plain = answer_at(jnp.zeros(8), state(), at, root.phi).gamma
+    plain = answer_at(jnp.zeros(10), state(), at, root.phi).gamma
     gain = np.asarray(blown / plain)[0]
     assert gain[1] > 1.1 and gain[5] < 1.05  # strips of 1.33 m, the hub at 3 m; the sixth is at 7.3 m
 
@@ -204,7 +204,7 @@ def test_one_pass_serves_the_same_unknown_of_all_rotors():
         return plain, linearised(root, x, at, plan)[1]
 
     plain, found = both()
-    assert found.flat.shape == (24, 24 + 7)
+    assert found.flat.shape == (32, 32 + 7)
     for name in ("flat", "gamma", "wake", "loads"):
         pairs = zip(jax.tree.leaves(getattr(plain, name)), jax.tree.leaves(getattr(found, name)), strict=True)
         for expected, value in pairs:
