@@ -15,7 +15,7 @@ import numpy as np
 
 from hera_om.aircraft import Aircraft, load_aircraft
 from hera_om.components import aero, aero_stages, arrays
-from hera_om.physics import aerodynamics, coupling
+from hera_om.physics import aerodynamics, coupling, slipstream
 from hera_om.physics.disks import disk_points, rotor_loads
 from hera_om.physics.geometry import surface_mesh
 from hera_om.physics.lattice_forces import pressure_cells
@@ -56,12 +56,14 @@ beside both, with the chord as above.
 """
 INSTALLED = """\
 ΔL/D is swirl that the wing recovers: it goes with the swirl, changes its sign or nearly vanishes with the sense of
-rotation, and grows with thrust. The paper does not give its thrust; the runs over blade pitch show the thrust that has
-its ΔL/D here. ΔT by the lattice is upwash alone and so grows with incidence. What it lacks is the flow of the wing's
-thickness, which slows the disks at any incidence: estimated below by sources in plane flow on the chord, which is too
-much for a finite wing, but is of the size of the paper's ΔT, which hardly changes
-from 0 to 5 degrees. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts and ahead of the centre of
-gravity: the split by part shows that what slipstreams do to surfaces is near the paper's changes, the forces of the
+rotation, and grows with thrust. At 5 degrees the rotors' own lift, which is not in this L/D, turns the slipstreams
+down, and that takes back what the swirl gives: see the run without the turn. The paper does not give its thrust;
+the runs over blade pitch show the thrust that has its ΔL/D here. ΔT by the lattice is upwash alone and so grows
+with incidence. What it lacks is the flow of the wing's thickness, which slows the disks at any incidence: estimated
+below by sources in plane flow on the chord, which is too much for a finite wing, but is of the size of the paper's
+ΔT, which hardly changes from 0 to 5 degrees. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts
+and ahead of the centre of gravity: the split by part shows that what slipstreams do to surfaces is near the paper's
+changes, the forces of the
 rotors themselves are beyond them.
 """
 TAIL = """\
@@ -87,8 +89,8 @@ COLUMNS = {
 
 @contextmanager
 def switched(**constants: Any) -> Iterator[None]:
-    """Constants and functions of `physics.coupling` changed for the runs inside, wherever they are imported."""
-    before = {name: getattr(coupling, name) for name in constants}
+    """Constants and functions of `physics.coupling` and `slipstream` changed for the runs inside, wherever imported."""
+    before = {name: getattr(coupling, name, getattr(slipstream, name, None)) for name in constants}
     try:
         _set(constants)
         yield
@@ -99,7 +101,7 @@ def switched(**constants: Any) -> Iterator[None]:
 def _set(constants: Mapping[str, Any]) -> None:
     """Change constants; what was compiled or kept with others is thrown away."""
     for name, value in constants.items():
-        for module in (coupling, aerodynamics):
+        for module in (coupling, aerodynamics, slipstream):
             if hasattr(module, name):
                 setattr(module, name, value)
     aero_stages.stages.cache_clear()
@@ -316,7 +318,8 @@ def causes(runs: Runs) -> list[str]:
     switches = {
         "no slipstream at surfaces (`SLIPSTREAM = 0`)": runs.switched(both, SLIPSTREAM=0.0),
         "no upwash at disks (`UPWASH = 0`)": runs.switched(both, UPWASH=0.0),
-        "jet of infinite height (`FINITE_JET = 0`)": runs.switched(both, FINITE_JET=0.0),
+        "edges of the jets without answer (`FINITE_JET = 0`)": runs.switched(both, FINITE_JET=0.0),
+        "no turn by forces across the shaft (`TURN = 0`)": runs.switched(both, TURN=0.0),
         "slipstream without swirl": runs.switched(both, mean_slipstreams=without_swirl),
         "outboard-up": runs.changed(lambda case: each_rotor(case, sense="outboard-up"), both),
     }

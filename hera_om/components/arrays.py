@@ -238,6 +238,7 @@ def _rotor(aircraft: Aircraft, group, y, polar: Polar) -> Rotors:
         incidence=group.axis_incidence_deg * RAD,
         radius=radius,
         hub_radius=blade.hub * radius,
+        nacelle_radius=jnp.asarray(group.nacelle_diameter_m / 2),
         r=_row(blade.r),
         chord=_row(blade.c),
         twist=_row(blade.twist_deg) * RAD,
