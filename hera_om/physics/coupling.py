@@ -280,6 +280,13 @@ def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Arr
             more = field.shield * more
         plain.append(-met)
         added.append(-more)
+    return _strengths(at, jets, plain, added)
+
+
+def _strengths(at: Setting, jets: Jets | None, plain: list[Array], added: list[Array]) -> Float[Array, "h n"]:
+    """Rings that bring the normal velocities of each half: of the plain stream, and those that slipstreams add."""
+    lattice = at.system.lattice
+    assert lattice is not None
     found = _solved(lattice, plain)
     if jets is None:
         return found
@@ -288,7 +295,7 @@ def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Arr
 
 
 def _solved(lattice: Lattice, needed: list[Array]) -> Float[Array, "h n"]:
-    """Strengths of the rings that bring the normal velocities of each half."""
+    """Strengths of the rings without what edges of slipstreams do to them."""
     return solve(lattice.even, needed[0])[None] if len(needed) == 1 else solve_halves(lattice, *needed)
 
 
@@ -332,9 +339,9 @@ def axis_upwash(at: Setting, x: Controls, jets: Jets | None = None) -> Array | N
     lattice, slender = at.system.lattice, at.system.slender
     if lattice is None or slender is None:
         return None
-    both = [_met(at, x, jets, i, side) for i, side in enumerate(sides(x))]
-    needed = [-(met + added) for met, added in both]
-    return slender.upwash @ solve(lattice.even, both_parts(needed)[0])
+    plain, added = zip(*[_met(at, x, jets, i, side) for i, side in enumerate(sides(x))], strict=True)
+    strengths = _strengths(at, jets, [-v for v in plain], [-v for v in added])
+    return slender.upwash @ both_parts(list(strengths))[0]
 
 
 def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float[Array, "h *p 3"]:

@@ -12,6 +12,7 @@ from hera_om.physics.finite_jet import JetEdges, jet_edges
 from hera_om.physics.lattice import MIRROR
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
+    AXIS_CORE,
     axial_development,
     contraction,
     disk_mean,
@@ -33,8 +34,6 @@ TINY = 1e-12
 """Keeps the length of a segment along the stream differentiable, m."""
 NEARBY = 0.25
 """Square of the distance over the radius within which a slipstream's share of the relief is nearly one (choice)."""
-AXIS_CORE = 1e-6
-"""Radius over rotor radius under which the distance from the centre line is rounded off."""
 GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
 GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
