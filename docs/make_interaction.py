@@ -16,7 +16,6 @@ import numpy as np
 from hera_om.aircraft import Aircraft, load_aircraft
 from hera_om.components import aero, aero_stages, arrays
 from hera_om.physics import aerodynamics, coupling, slipstream
-from hera_om.physics.disks import disk_points, rotor_loads
 from hera_om.physics.geometry import surface_mesh
 from hera_om.physics.lattice_forces import pressure_cells
 from hera_om.post.figures_interaction import plot_propeller, save, write_figures
@@ -54,14 +53,16 @@ than such a wing, or the wing is of another kind; the tail's slope agrees. Runs:
 compressibility; and besides, the reference area and the tail's area times {k:.3f}, which makes the wing smaller
 beside both, with the chord as above.
 """
+CENTRE = """\
+Table 3 does not say what its moments refer to; the centre of gravity it is not. About a point {back:.3f} of that chord farther aft, where the
+first row's slope is the paper's, the slopes of fuselage and tail and their changes are the paper's too:
+"""
 INSTALLED = """\
 ΔL/D is swirl that the wing recovers: it goes with the swirl, changes its sign or nearly vanishes with the sense of
 rotation, and grows with thrust. At 5 degrees the rotors' own lift, which is not in this L/D, turns the slipstreams
 down, and that takes back what the swirl gives: see the run without the turn. The paper does not give its thrust;
-the runs over blade pitch show the thrust that has its ΔL/D here. ΔT by the lattice is upwash alone and so grows
-with incidence. What it lacks is the flow of the wing's thickness, which slows the disks at any incidence: estimated
-below by sources in plane flow on the chord, which is too much for a finite wing, but is of the size of the paper's
-ΔT, which hardly changes from 0 to 5 degrees. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts
+the runs over blade pitch show the thrust that has its ΔL/D here. ΔT is the flow of the wing's thickness, which slows
+the disks at any incidence and is of the size of the paper's ΔT, and upwash, which grows with incidence. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts
 and ahead of the centre of gravity: the split by part shows that what slipstreams do to surfaces is near the paper's
 changes, the forces of the
 rotors themselves are beyond them.
@@ -231,52 +232,6 @@ def lift_over_drag(runs: Runs) -> list[str]:
     return [*table(head, rows), text]
 
 
-# --- thickness of the wing
-
-
-def thickness_flow(wing: Any, points: np.ndarray, place, mach: float) -> np.ndarray:
-    """Velocity over the flight speed that the thickness of the wing induces, strip by strip in plane flow.
-
-    Sources on the chord, strength twice the slope of the half thickness of a NACA four-digit section (Katz & Plotkin,
-    Low-Speed Aerodynamics, eq. 5.10), in subsonic flow by Goethert's rule.
-    """
-    y = np.array([s.y_m for s in wing.section])
-    chord, thick = (np.array([getattr(s, k) for s in wing.section]) for k in ("chord_m", "thickness"))
-    beta, out = np.sqrt(1.0 - mach**2), np.zeros_like(points)
-    edges = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 201)))
-    half = 5.0 * (0.2969 * np.sqrt(edges) - 0.126 * edges - 0.3516 * edges**2 + 0.2843 * edges**3 - 0.1036 * edges**4)
-    for i, (px, py, pz) in enumerate(points):
-        c, t = np.interp(py, y, chord), np.interp(py, y, thick)
-        x_le, z_le = place(py)
-        x, z = (px - x_le) / c - 0.5 * (edges[1:] + edges[:-1]), beta * (pz - z_le) / c
-        source = t * np.diff(half) / np.pi / (x**2 + z**2)
-        out[i, [0, 2]] = np.sum(source * x) / beta, np.sum(source * z)
-    return out
-
-
-def blocked(case: Aircraft, alpha: float) -> float:
-    """Change of thrust in percent by the flow of the wing's thickness at the disks; no lift, no coupling."""
-    rotors, plan, wing = arrays.rotors(case), arrays.plan(case, False), arrays.wing_arrays(case)
-    assert rotors is not None and plan is not None
-    given = case.flight
-    flow = arrays.flow(
-        case, jnp.asarray(given.mach), jnp.asarray(given.altitude_m), jnp.asarray(arrays.moment_point(case))
-    )
-    points = disk_points(rotors, plan)
-
-    def place(y):
-        return np.interp(y, wing.y, wing.x_le), np.interp(y, wing.y, wing.z)
-
-    wash = thickness_flow(case.wing, np.asarray(points).reshape(-1, 3), place, given.mach).reshape(points.shape)
-    wind = np.array([np.cos(alpha * RAD), 0.0, np.sin(alpha * RAD)])
-    pitch = jnp.asarray([r.beta75_deg * RAD for r in case.rotor])
-    both = [
-        float(jnp.sum(rotor_loads(rotors, plan, (flow.speed * stream)[None], pitch=pitch, flow=flow).thrust))
-        for stream in (jnp.asarray(wind + 0.0 * wash), jnp.asarray(wind + wash))
-    ]
-    return study.change(both[1], both[0])
-
-
 # --- the page
 
 
@@ -318,6 +273,7 @@ def causes(runs: Runs) -> list[str]:
     switches = {
         "no slipstream at surfaces (`SLIPSTREAM = 0`)": runs.switched(both, SLIPSTREAM=0.0),
         "no upwash at disks (`UPWASH = 0`)": runs.switched(both, UPWASH=0.0),
+        "no flow of thickness (`THICKNESS = 0`)": runs.switched(both, THICKNESS=0.0),
         "edges of the jets without answer (`FINITE_JET = 0`)": runs.switched(both, FINITE_JET=0.0),
         "no turn by forces across the shaft (`TURN = 0`)": runs.switched(both, TURN=0.0),
         "slipstream without swirl": runs.switched(both, mean_slipstreams=without_swirl),
@@ -333,8 +289,6 @@ def causes(runs: Runs) -> list[str]:
     for a in ("0 deg", "5 deg"):
         page += runs_table(on | pitches, a, two)
     page += runs_table(on | pitches, study.FULL, (*three_names, *tail))
-    blocks = ", ".join(f"{blocked(runs.cases[study.WING_DISKS], a):+.1f} % at {a:g} degrees" for a in ALPHAS[:2])
-    page += [f"Thrust of the rotors alone in the flow of the wing's thickness: {blocks}.", ""]
     page += hub_share(runs)
     page += [
         "### Reference chord and area",
@@ -343,12 +297,29 @@ def causes(runs: Runs) -> list[str]:
     ]
     page[-1] += f"{-ratio:.2f} here, {-arm * ratio:.2f} in the paper. With the chord divided by {arm:.3f}:"
     page += ["", *(line for n in study.PAPER_3 for line in runs_table({"as it is": base, "chord": scaled}, n, moments))]
+    back = (theirs["Cm_alpha"] - scaled[study.CLEAN]["Cm_alpha"]) / scaled[study.CLEAN]["CZ_alpha"]
+    page += [CENTRE.format(back=back)]
+    cases = {"chord": scaled, "chord, point of moments": moved(scaled, back)}
+    page += [line for n in study.PAPER_3 for line in runs_table(cases, n, moments)]
     page += [AREA.format(k=k)]
     cases = {"as it is": base, "Mach 0": mach0, "area, tail, chord": small}
     page += [line for n in study.PAPER_3 for line in runs_table(cases, n, (*forces, *moments[:2]))]
     page += ["### Height of the tail", "", TAIL.format(z=whole.htail.z_m, wing=whole.wing.z_root_m)]
     page += runs_table({"as it is": base} | heights, study.FULL, (*forces[2:], *moments[1:]))
     return page
+
+
+def moved(found: Mapping[str, Mapping[str, Any]], back: float) -> dict[str, dict[str, Any]]:
+    """Slopes of moments about a point so much of the reference chord farther aft, and their changes."""
+    rows = {n: dict(found[n]) for n in study.PAPER_3}
+    for name in ("Cm", "Cm_tail"):
+        force = name.replace("Cm", "CZ")
+        for row in rows.values():
+            row[f"{name}_alpha"] += back * row[f"{force}_alpha"]
+        clean = rows[study.CLEAN][f"{name}_alpha"]
+        for row in rows.values():
+            row[f"{name}_alpha change"] = study.change(row[f"{name}_alpha"], clean)
+    return rows
 
 
 def hub_share(runs: Runs) -> list[str]:

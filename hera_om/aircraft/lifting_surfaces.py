@@ -45,6 +45,7 @@ class LiftingSurface(NamedTuple):
     y: tuple[Any, ...]
     z: tuple[Any, ...]
     chord: tuple[Any, ...]  # m
+    thickness: tuple[Any, ...]  # over chord; further surfaces have none
     twist_deg: tuple[Any, ...]  # without the incidence
     incidence_deg: Any  # to add to every twist
     station: tuple[Any, ...]  # coordinate along the span, rising from section to section, m
@@ -129,6 +130,7 @@ def _wing(aircraft: Aircraft, wing: Wing, tan: Callable[[Any], Any]) -> LiftingS
         y=y,
         z=z,
         chord=tuple(s.chord_m for s in wing.section),
+        thickness=tuple(s.thickness for s in wing.section),
         twist_deg=tuple(s.twist_deg for s in wing.section),
         incidence_deg=wing.incidence_deg,
         station=y,
@@ -213,6 +215,7 @@ def _trapezoid(
         symmetric=name == "htail",
         in_plane=name == "vtail",
         **place,
+        thickness=(tail.thickness,) * 2,
         twist_deg=(0.0, 0.0),
         incidence_deg=incidence_deg,
         station=station,
@@ -251,6 +254,7 @@ def _free(aircraft: Aircraft, surface: Surface) -> LiftingSurface:
         y=y,
         z=z,
         chord=tuple(s.chord_m for s in rows),
+        thickness=(0.0,) * len(rows),
         twist_deg=tuple(s.twist_deg for s in rows),
         incidence_deg=surface.incidence_deg,
         station=station,

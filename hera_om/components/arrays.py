@@ -91,7 +91,10 @@ def surfaces(aircraft: Aircraft, layout: list[Grid], lateral: bool = False) -> l
     """The surfaces of a model, the wing first. The fin's profile drag is among the drag areas."""
     order = model_commands(aircraft, lateral)
     pairs = zip(parts(aircraft, lateral, jnp.tan), layout, strict=True)
-    return [Surface(sections_of(s), grid, _polar(s), _row(s.station), _controls(s, order)) for s, grid in pairs]
+    return [
+        Surface(sections_of(s), grid, _polar(s), _row(s.station), _controls(s, order), _row(s.thickness))
+        for s, grid in pairs
+    ]
 
 
 def sections_of(s: LiftingSurface) -> Sections:

@@ -25,6 +25,7 @@ class Surface(NamedTuple):
     polar: StripPolar | StripTable
     station: Float[Array, " k"]  # coordinate of the sections along the span, m
     controls: tuple[Control, ...] = ()
+    thickness: Float[Array, " k"] | None = None  # of the sections over chord; absent: none
 
 
 class Rotors(NamedTuple):

@@ -40,6 +40,7 @@ from hera_om.physics.layout import Layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import body_loads
 from hera_om.physics.strip_polar import StripPolar, StripState, StripTable, stall_guard, strip_states
+from hera_om.physics.thickness import buoyancy
 from hera_om.physics.unsteady_lattice import plunge_rate, unsteady_resultant
 
 Polars = Sequence[StripPolar | StripTable]
@@ -269,9 +270,24 @@ def _half_loads(x: Controls, answer: Response, polars: Polars, *, at: Setting, l
         weight = jnp.asarray(lay.share * lay.weight[lay.inner] + (1.0 - lay.share) * lay.weight[lay.outer])
         slip = 2.0 * (weight * strength) @ (jnp.cross(wash[i], lattice.arms) @ wind(x, side))
         here = jnp.asarray(lay.weight * (lay.image if side < 0 else 1.0))
-        out.append(HalfLoads(loads._replace(force=loads.force + drag), here[:, None] * drag, slip, forces, state))
+        thick = _on_thickness(at, lay, wash[i] @ wind(x, side))
+        slip = slip + jnp.asarray(lay.weight) @ thick
+        carried = loads.force + drag + thick[:, None] * wind(x, side)
+        out.append(HalfLoads(loads._replace(force=carried), here[:, None] * drag, slip, forces, state))
         locals_.append(full / faster[:, None])
     return out, both_parts(locals_)[0]
+
+
+def _on_thickness(at: Setting, lay: Layout, along: Float[Array, " e"]) -> Float[Array, " s"]:
+    """Force of slipstreams along the stream on the thickness of every strip, over dynamic pressure, m^2."""
+    lattice, thickness = at.system.lattice, at.system.thickness
+    assert lattice is not None
+    if thickness is None:
+        return jnp.zeros_like(lattice.strip_chord)
+    bound = np.flatnonzero(lay.share == 1.0)
+    strip = lay.inner[bound]
+    force = buoyancy(thickness.growth, lattice.strip_width[strip], along[bound])
+    return jnp.zeros_like(lattice.strip_chord).at[strip].add(force)
 
 
 def _stall(lattice: Lattice, lay: Layout, halves: list[StripState]) -> Stall:

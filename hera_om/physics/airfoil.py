@@ -1,10 +1,18 @@
-"""Camber lines of the NACA four- and five-digit families and of coordinates."""
+"""Camber lines and thickness of the NACA four- and five-digit families and of coordinates."""
 
 from typing import Any
 
 import numpy as np
 
+from hera_om.core.contours import POINTS, contour_table
 from hera_om.core.mean_lines import mean_line
+
+_EVERY = 8  # that many stations of thickness; they stand between as many steps of a contour's table
+_NODES = np.arange(POINTS // _EVERY // 2, POINTS - 1, (POINTS - 1) // _EVERY)
+_ANGLE = np.linspace(0.0, np.pi, POINTS)[_NODES]
+STATIONS = (1.0 - np.cos(_ANGLE)) / 2.0
+"""Chord fractions of the stations of thickness, at the middles of equal steps of their angle: a round nose is no
+singularity there."""
 
 
 def camber_line(airfoil: Any, x) -> tuple[np.ndarray, np.ndarray]:
@@ -25,3 +33,16 @@ def camber_line(airfoil: Any, x) -> tuple[np.ndarray, np.ndarray]:
         ValueError: for any other name, reflexed five-digit lines included.
     """
     return mean_line(airfoil, x)
+
+
+def thickness_growth(airfoil: Any) -> np.ndarray:
+    """Growth of thickness at the `STATIONS`, over chord and per unit thickness ratio; a trailing edge is closed.
+
+    Args:
+        airfoil: as for `camber_line`; a mean line has the thickness of the NACA four-digit form.
+
+    Returns:
+        Steps of the thickness, zero in all.
+    """
+    rate = 2.0 * np.pi / _EVERY * contour_table(airfoil)[3][_NODES]
+    return rate - rate.sum() * np.sin(_ANGLE) / np.sin(_ANGLE).sum()

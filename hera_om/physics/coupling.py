@@ -19,6 +19,7 @@ from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, 
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import (
     Found,
+    Strips,
     Wake,
     at_other_disks,
     disk_points,
@@ -28,12 +29,13 @@ from hera_om.physics.disks import (
     wake_behind,
 )
 from hera_om.physics.finite_jet import JetEdges, chord_shares
-from hera_om.physics.geometry import FLAT, Panels, surface_mesh
-from hera_om.physics.lattice import Lattice, assemble, marked, solve, solve_halves
+from hera_om.physics.geometry import FLAT, Panels, between, surface_mesh
+from hera_om.physics.lattice import MIRROR, Lattice, assemble, marked, prandtl_glauert, solve, solve_halves
 from hera_om.physics.lattice_forces import pressure_cells
-from hera_om.physics.layout import PLANE, Layout, layout
+from hera_om.physics.layout import PLANE, SINGLE, Layout, layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
+from hera_om.physics.thickness import THICKNESS, on_panels, source_lines, source_velocity, strip_growth
 
 SLIPSTREAM = 1.0
 """Share of the slipstream that reaches the surfaces; 0 leaves the rotors only their hub forces."""
@@ -53,6 +55,13 @@ class SlenderInfluence(NamedTuple):
     upwash: Float[Array, "m n"]  # z velocity at `slender_body.axis_points` per unit circulation, mirrored flow
 
 
+class Thickness(NamedTuple):
+    """Flow of the thickness of all surfaces, and where slipstreams act on it."""
+
+    at_disks: Array  # velocity over the flight speed at the blade elements, m nr npsi 3
+    growth: Float[Array, " n"]  # of thickness by panel, m
+
+
 class System(NamedTuple):
     """Everything that does not depend on incidence, rates, controls or blade pitch."""
 
@@ -63,7 +72,8 @@ class System(NamedTuple):
     panels: tuple[Panels, ...] = ()
     cells: tuple[Float[Array, "_ _ 3"], ...] = ()  # see `lattice_forces.pressure_cells`
     slender: SlenderInfluence | None = None
-    shares: Array | None = None  # [n] of each panel in its strip, see `finite_jet.chord_shares`
+    shares: Array | None = None  # [2 n] of each panel in its strip, see `finite_jet.chord_shares`
+    thickness: Thickness | None = None
     wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
     turn: Any = None  # derivative of all this by that angle, without factors
 
@@ -196,11 +206,31 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
     cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
     shares = jnp.concatenate(
         [
-            jnp.repeat(chord_shares(jnp.asarray(s.grid.xi)), p.strip_chord.shape[0])
+            jnp.repeat(chord_shares(*map(jnp.asarray, s.grid[2:5])), p.strip_chord.shape[0], axis=1)
             for s, p in zip(surfaces, panels, strict=True)
-        ]
+        ],
+        axis=1,
     )
-    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence, shares)
+    thickness = (
+        _thickness(surfaces, panels, model.kinds, disks, prandtl_glauert(jnp.asarray(mach, float))) if count else None
+    )
+    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence, shares, thickness)
+
+
+def _thickness(surfaces: list[Surface], panels: list[Panels], kinds, disks, beta) -> Thickness:
+    """Flow of thickness of the surfaces; of one without an image none, as halves would then differ in it."""
+    points, mirror = disks.reshape(-1, 3), jnp.asarray(MIRROR)
+    flow, every = jnp.zeros_like(points), []
+    for surface, own, kind in zip(surfaces, panels, kinds, strict=True):
+        if surface.thickness is None or kind == SINGLE:
+            every.append(jnp.zeros(own.normal[..., 0].size))
+            continue
+        growth = strip_growth(surface.grid, surface.sections.chord, surface.thickness)
+        lines = source_lines(surface.sections, surface.grid, growth, own.strip_width)
+        image = 0.0 if kind == PLANE else mirror * source_velocity(points * mirror, lines, beta)
+        flow = flow + source_velocity(points, lines, beta) + image
+        every.append(on_panels(surface.grid, growth))
+    return Thickness(THICKNESS * flow.reshape(disks.shape), THICKNESS * jnp.concatenate(every))
 
 
 def make_surfaces(surfaces: list[Surface], model: Model) -> list[Panels]:
@@ -284,14 +314,27 @@ def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Arr
 
 
 def _strengths(at: Setting, jets: Jets | None, plain: list[Array], added: list[Array]) -> Float[Array, "h n"]:
-    """Rings that bring the normal velocities of each half: of the plain stream, and those that slipstreams add."""
-    lattice = at.system.lattice
-    assert lattice is not None
+    """Rings that bring the normal velocities of each half: of the plain stream, and those that slipstreams add.
+
+    Edges of slipstreams answer to both, see `finite_jet.jet_edges`.
+    """
+    lattice, shares = at.system.lattice, at.system.shares
+    assert lattice is not None and shares is not None
     found = _solved(lattice, plain)
     if jets is None:
         return found
-    relief = FINITE_JET * jets.edges.relief[:, _strip_of_panels(at.system)]
-    return found + (1.0 - relief) * _solved(lattice, added)
+    strip, last = _strip_of_panels(at.system)
+    relief = FINITE_JET * jets.edges.relief[:, strip]
+    bound, trailing = [], []
+    for i, strength in enumerate(found):
+        sums = jnp.zeros((2, len(last))).at[:, strip].add(shares * jnp.stack([-plain[i], strength]))
+        plane = prandtl_glauert(at.flow.mach) / (jnp.pi * lattice.strip_chord)
+        downwash = sums[0] - plane * strength[last]
+        bound.append(FINITE_JET * (jets.edges.bound[i] * plane * sums[1])[strip])
+        steps = jets.edges.trailing[i] * downwash + jets.edges.images[i] @ _shed(at.system, strength[last])
+        trailing.append(FINITE_JET * steps[strip])
+    found = found + _solved(lattice, trailing)
+    return found + (1.0 - relief) * _solved(lattice, [a + b for a, b in zip(added, bound, strict=True)])
 
 
 def _solved(lattice: Lattice, needed: list[Array]) -> Float[Array, "h n"]:
@@ -312,20 +355,48 @@ def _met(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> tu
         return met, jnp.zeros_like(met)
     faster = jets.velocity[i] @ wind(x, side)
     blown = jnp.sum(jets.velocity[i] * normal, axis=-1)
-    strip = _strip_of_panels(at.system)
-    assert at.system.shares is not None
-    taken = FINITE_JET * jets.edges.answer[i] * jnp.zeros(strip[-1] + 1).at[strip].add(at.system.shares * met)
-    return met, faster * met + (1.0 + faster) * blown - taken[strip]
+    return met, faster * met + (1.0 + faster) * blown
 
 
-def _strip_of_panels(system: System) -> np.ndarray:
-    """Index of every panel's strip."""
-    first, parts = 0, []
+def _strip_of_panels(system: System) -> tuple[np.ndarray, np.ndarray]:
+    """Index of every panel's strip, and of every strip's last panel, whose ring has the circulation of the strip."""
+    first, panel, parts, last = 0, 0, [], []
     for panels in system.panels:
         rows, strips = panels.normal.shape[:2]
         parts.append(np.tile(first + np.arange(strips), rows))
-        first += strips
-    return np.concatenate(parts)
+        first, panel = first + strips, panel + rows * strips
+        last.append(panel - strips + np.arange(strips))
+    return np.concatenate(parts), np.concatenate(last)
+
+
+def _shed(system: System, strength: Float[Array, " s"]) -> Float[Array, " t"]:
+    """Steps of the circulation of strips at the nodes of their edges, none in the plane of symmetry."""
+    parts, first = [], 0
+    for panels in system.panels:
+        n = panels.strip_width.shape[0]
+        own = strength[first : first + n]
+        inner = jnp.where(jnp.abs(panels.strip_edges[0, 1]) > 0.0, own[0], 0.0)
+        parts += [inner[None], jnp.diff(own), -own[-1:]]
+        first += n
+    return jnp.concatenate(parts)
+
+
+def _strips(system: System) -> Strips:
+    """Strips of all surfaces as slipstreams meet them."""
+    lattice = system.lattice
+    assert lattice is not None
+    along = lattice.strip_edge * jnp.asarray([0.0, 1.0, 1.0])
+    edges = [jnp.append(0.0, jnp.cumsum(p.strip_width)) for p in system.panels]
+    middles = [between(e[:-1], e[1:], p.middle) for e, p in zip(edges, system.panels, strict=True)]
+    counts = [len(e) for e in edges]
+    own = np.repeat(np.eye(len(counts)), counts, axis=1)[np.repeat(np.arange(len(counts)), np.subtract(counts, 1))]
+    return Strips(
+        point=lattice.strip_point,
+        along=along / jnp.linalg.norm(along, axis=1, keepdims=True),
+        chord=lattice.strip_chord,
+        nodes=jnp.where(own > 0.0, jnp.concatenate(edges) - jnp.concatenate(middles)[:, None], 1.0),
+        own=jnp.asarray(own),
+    )
 
 
 def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
@@ -393,7 +464,7 @@ def washes(
     if filaments:
         ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
     each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
-    edges = slipstream_edges(at.rotors, plan, wake, lattice.strip_point, lattice.strip_chord, winds=air)
+    edges = slipstream_edges(at.rotors, plan, wake, _strips(at.system), winds=air)
     jets = Jets(each[:, :, :n], jax.tree.map(lambda v: SLIPSTREAM * v, edges))
     return Washes(jets, disks, each[:, :, n:] if filaments else None)
 
@@ -439,6 +510,8 @@ def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wash, *, plan: 
     even, odd = at.system.disk_velocity
     if even is not None:
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
+    if at.system.thickness is not None:
+        stream = stream + at.system.thickness.at_disks
     if wash is not None:
         stream = stream + wash[: len(halves)]
     return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, found=phi)

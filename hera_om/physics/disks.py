@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
-from hera_om.physics.finite_jet import JetEdges, jet_edges
+from hera_om.physics.finite_jet import JetEdges, jet_edges, trailing_images
 from hera_om.physics.lattice import MIRROR
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
@@ -55,6 +55,16 @@ class Wake(NamedTuple):
     axial: Float[Array, "h m nr"]
     swirl: Float[Array, "h m nr"]
     side: Float[Array, "h m 2"]  # force on the air in the plane of the disk over rho A V^2, shaft axes y and z
+
+
+class Strips(NamedTuple):
+    """Strips of surfaces that slipstreams meet."""
+
+    point: Float[Array, "n 3"]  # m
+    along: Float[Array, "n 3"]  # unit vector along the strip, across x
+    chord: Float[Array, " n"]  # m
+    nodes: Float[Array, "n t"]  # length along the surface from the strip to all nodes where vortices trail, m
+    own: Float[Array, "n t"]  # 1 where they are those of the strip's surface, else 0
 
 
 def wake_behind(loads: RotorSolution, rotors: Rotors, flow: Flow) -> Wake:
@@ -225,8 +235,10 @@ def slipstreams(
             displaced=slip.displaced,
         )
 
-    own, other = _seen(one, rotors, plan, wake, (points, smeared), winds=winds)
-    return _by_halves(plan, own, other * jnp.asarray(MIRROR), len(winds))
+    mirror = jnp.asarray(MIRROR)
+    both = (points, smeared), (points * mirror, smeared)
+    own, other = _seen(one, rotors, plan, wake, *both, winds=winds)
+    return _by_halves(plan, own, other * mirror, len(winds))
 
 
 class _Slipstream(NamedTuple):
@@ -244,10 +256,10 @@ class _Slipstream(NamedTuple):
     wind: Array
 
 
-def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple[Array, ...], *, winds: Float[Array, "h 3"]):
-    """``one`` of every slipstream of every half [h m n ...], at the points and at the mirrored points.
+def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple, image: tuple, *, winds: Float[Array, "h 3"]):
+    """``one`` of every slipstream of every half [h m n ...], at places and at their images in the plane of symmetry.
 
-    ``at`` are points [n 3] and what else belongs to each of them; ``one(*at, slipstream)`` has n rows.
+    ``one(*at, slipstream)`` has a row for each of the n places that the arrays of ``at`` describe.
     """
     halves, n = wake.axial.shape[0], at[0].shape[0]
     displaced = jnp.maximum(rotors.nacelle_radius**2 - rotors.hub_radius**2, 0.0)
@@ -257,7 +269,7 @@ def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple[Array, ...
     strength = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), tuple(wake))
     wind = jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0)
     cases = _Slipstream(*(*every, *strength, wind))
-    both = (jnp.concatenate([at[0], at[0] * jnp.asarray(MIRROR)]), *[jnp.concatenate([v] * 2) for v in at[1:]])
+    both = tuple(jnp.concatenate(pair) for pair in zip(at, image, strict=True))
     each = jax.lax.map(lambda slip: one(*both, slip), cases)
     each = jax.tree.map(lambda v: v.reshape(halves, -1, *v.shape[1:]), each)
     return jax.tree.map(lambda v: v[:, :, :n], each), jax.tree.map(lambda v: v[:, :, n:], each)
@@ -290,20 +302,15 @@ def at_other_disks(
 
 
 def slipstream_edges(
-    rotors: Rotors,
-    plan: RotorPlan,
-    wake: Wake,
-    points: Float[Array, "n 3"],
-    chord: Float[Array, " n"],
-    *,
-    winds: Float[Array, "h 3"],
+    rotors: Rotors, plan: RotorPlan, wake: Wake, strips: Strips, *, winds: Float[Array, "h 3"]
 ) -> JetEdges:
-    """What the edges of each slipstream do to surfaces at the points of each half, axes [h k n].
+    """What the edges of each slipstream do to the strips of each half, axes [h k n].
 
-    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance.
+    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance. Images
+    are those of a surface that passes through the axis; they fade where one passes the slipstream by.
     """
 
-    def one(at, chord, slip):
+    def one(at, along, chord, nodes, own, slip):
         axis = slip.axes[0]
         speed = axis @ slip.wind
         v_mean = disk_mean(slip.r, slip.axial, slip.radius)
@@ -315,9 +322,12 @@ def slipstream_edges(
         half = 0.5 * (slip.r[1] - slip.r[0])
         narrowing = contraction(grown, loading(v_mean, speed))[:, None] * jnp.append(slip.r - half, slip.r[-1] + half)
         steps = jnp.sqrt(narrowing**2 + displacement(grown, slip.displaced)[:, None])
+        place = jnp.sum(across * along, axis=1)
+        through = jnp.exp(-(((distance**2 - place**2) / steps[:, -1] ** 2) ** 2))
         edges = jet_edges(
             distance,
             chord,
+            images=through[:, None] * own * trailing_images(place, nodes, steps[:, -1]),
             radius=steps,
             excess=(1.0 + (1.0 + grown)[:, None] * slip.axial) ** 2 - 1.0,
             share=4.0 * half * slip.r / slip.radius**2,
@@ -325,6 +335,8 @@ def slipstream_edges(
         beside = jnp.sum((offset - x[:, None] * axis) ** 2, axis=1) / slip.radius**2
         return edges, (NEARBY + beside) ** -2
 
-    seen = _seen(one, rotors, plan, wake, (points, chord), winds=winds)
+    mirror = jnp.asarray(MIRROR)
+    image = strips._replace(point=strips.point * mirror, along=strips.along * mirror)
+    seen = _seen(one, rotors, plan, wake, tuple(strips), tuple(image), winds=winds)
     edges, near = jax.tree.map(lambda own, other: _by_halves(plan, own, other, len(winds)), *seen)
     return edges._replace(relief=edges.relief * near / jnp.sum(near, axis=1, keepdims=True))

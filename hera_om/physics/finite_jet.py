@@ -23,10 +23,12 @@ LEAST_EXCESS = 1e-18
 
 
 class JetEdges(NamedTuple):
-    """What the edges of a jet do to the lift that the jet adds, see `jet_edges`."""
+    """What the edges of a jet do to a wing, see `jet_edges`."""
 
-    answer: Float[Array, " n"]  # of the normal velocity in the plain stream, taken back
-    relief: Float[Array, " n"]  # of the added lift, not there
+    bound: Float[Array, " n"]  # of the normal velocity that the bound vortices make in the plain stream, taken back
+    trailing: Float[Array, " n"]  # the same of the downwash of all that trails
+    images: Float[Array, "n t"]  # velocity taken back by the lift that ends at every node of the strips, 1/m
+    relief: Float[Array, " n"]  # of the lift that the jet adds, not there
 
 
 def reflection(velocity_ratio: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
@@ -65,17 +67,48 @@ def edge_answer(eta: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLi
     return size * shape
 
 
-def chord_shares(xi: Float[Array, " nc1"]) -> Float[Array, " nc"]:
-    """Weights of the panels of a strip in the normal velocity that edges answer to, one together.
+def chord_shares(
+    xi: Float[Array, " nc1"], front: Float[Array, " nc"], rear: Float[Array, " nc"]
+) -> Float[Array, "2 nc"]:
+    """Weights of the panels of a strip: of normal velocities in the circulation, of rings in the answer of edges.
 
-    With x = (1 - cos theta) c / 2 and V . n = A_0 - A_1 cos theta the lift is as A_0 about the quarter point and
-    A_1 / 2 about the middle of the chord (Glauert): the answer is to A_0 + `MIDDLE` A_1 / 2.
+    In plane flow the first give circulation over pi and the chord. The second give what edges answer to, of a plate
+    its circulation; lift about the middle of the chord, as of camber, is answered `MIDDLE` times as much.
 
     Arguments:
         xi: chord fractions of the panels' edges.
+        front: where in its panel the vortex lies, 0 ahead to 1 behind.
+        rear: where in its panel the condition stands.
     """
-    theta = jnp.arccos(1.0 - 2.0 * jnp.clip(xi, 0.0, 1.0))
-    return (jnp.diff(theta) - MIDDLE * jnp.diff(jnp.sin(theta))) / jnp.pi
+    bound, met = (xi[:-1] + part * jnp.diff(xi) for part in (front, rear))
+    plane = 1.0 / (2.0 * jnp.pi * (met[:, None] - bound))
+    weight = 1.0 - (1.0 - MIDDLE) * (bound - 0.25) / 0.25
+    return jnp.stack([jnp.linalg.solve(plane.T, jnp.ones_like(met)) / jnp.pi, weight - jnp.append(weight[1:], 0.0)])
+
+
+def trailing_images(
+    place: Float[Array, " n"], nodes: Float[Array, "n t"], radius: Float[Array, " n"]
+) -> Float[Array, "n t"]:
+    """Downwash along a wing by the image of a vortex in an edge less that by the vortex itself, for unit 2 pi V.
+
+    In planes across the jet the conditions at the edge are those of a dielectric cylinder. Its answer to a vortex at
+    y' is at y inside k times the flow of one at y', or at R^2 / y' if y' is inside; at y outside it is (R / y)^2 times
+    the answer at R^2 / y.
+
+    Arguments:
+        place: of the strips along the wing from the axis of the jet, m.
+        nodes: of the trailing vortices from each strip on, m.
+        radius: of the edge at the strips, m.
+    """
+    y, radius = place[:, None], radius[:, None]
+    vortex = y + nodes
+    inside, inverse = y / _beyond(y / radius), vortex / radius**2 / _beyond(vortex / radius)
+    return 1.0 / nodes - inverse / (1.0 - inside * inverse)
+
+
+def _beyond(eta: Float[Array, "..."]) -> Float[Array, "..."]:
+    """1 inside the jet, eta^2 outside, rounded off at the edge."""
+    return (1.0 + eta**16) ** 0.125
 
 
 def jet_edges(
@@ -85,15 +118,19 @@ def jet_edges(
     radius: Float[Array, "n nr1"],
     excess: Float[Array, "n nr"],
     share: Float[Array, " nr"],
+    images: Float[Array, "n t"],
 ) -> JetEdges:
-    """Both effects of the edges of a jet whose speed varies along its radius in steps.
+    """All effects of the edges of a jet whose speed varies along its radius in steps.
 
     With Phi = V phi, the local speed times the potential, Phi is continuous at an edge, and with it the lift per span
     rho V Gamma, not the circulation; what jumps is dPhi / dn / V^2. A lattice for the lift therefore has the matrix of
     the plain stream, -mu (V + u) . n on the right, and the edges' answer:
 
-    * to the load of the wing in the plain stream, `edge_answer` of every step, d(mu^2) mu_1^2 / (mu_1^2 + 1) strong,
-      which takes from the right-hand side, by the `chord_shares` of the strip's normal velocities;
+    * to the bound vortices of the wing in the plain stream, `edge_answer` of every step, d(mu^2) mu_1^2 / (mu_1^2 + 1)
+      strong, which takes from the right-hand side, by the `chord_shares` of the strip;
+    * to its trailing vortices, whose downwash w hardly changes across the jet, as to a plane flow across a cylinder:
+      inside w grows by k = (mu^2 - 1) / (mu^2 + 1), outside by k (R / y)^2, d(mu^2) / (mu_1^2 + 1) of every step; of
+      vortices inside the jet their images count instead, see `trailing_images`;
     * to the lift that the jet adds, whose trailing vortices stand at the edges: outside 1 - K of it remains, near the
       axis 1 - 0.31 K, alike for loads that are even and odd about the axis, with
 
@@ -109,6 +146,7 @@ def jet_edges(
         radius: of the steps there, from the innermost out, m.
         excess: mu^2 - 1 between the steps; none inside the first and outside the last.
         share: of the disk's area between the steps.
+        images: see `trailing_images`.
 
     Returns:
         JetEdges.
@@ -123,8 +161,10 @@ def jet_edges(
     relief = k + (1.0 - k) * (peak - excess @ share) / (peak + 2.0)
     steps = -jnp.diff(excess, axis=1, prepend=0.0, append=0.0)
     each = edge_answer(distance[:, None] / radius, radius / chord[:, None])
-    answer = (1.0 + peak) / (2.0 + peak) * jnp.sum(steps * each, axis=1)
-    return JetEdges(answer, relief * (1.0 - CENTRE * _bubble(distance / radius[:, -1])))
+    bound = (1.0 + peak) / (2.0 + peak) * jnp.sum(steps * each, axis=1)
+    trailing = jnp.sum(steps / _beyond(distance[:, None] / radius), axis=1) / (2.0 + peak)
+    relieved = relief * (1.0 - CENTRE * _bubble(distance / radius[:, -1]))
+    return JetEdges(bound, trailing, trailing[:, None] * images / (4.0 * jnp.pi), relieved)
 
 
 def _bubble(eta: Float[Array, " n"]) -> Float[Array, " n"]:

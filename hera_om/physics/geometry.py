@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from hera_om.core.spacing import chord_points, law_at, law_number
-from hera_om.physics.airfoil import camber_line
+from hera_om.physics.airfoil import camber_line, thickness_growth
 
 QUARTER = 0.25  # of the chord: where sections turn and strips have their points
 CAMBER, FLAT = "camber", "flat"
@@ -34,6 +34,7 @@ class Grid(NamedTuple):
     rear: Float[Numbers, " nc"]  # where in its panel the condition stands
     camber: Float[Numbers, "k nc1"]  # camber height over chord at xi
     slope: Float[Numbers, "k nc"]  # camber slope at the collocation points
+    growth: Float[Numbers, "k t"]  # of the thickness, see `airfoil.thickness_growth`
 
 
 class Panels(NamedTuple):
@@ -119,7 +120,8 @@ def cut(span: tuple[np.ndarray, np.ndarray], airfoils, nc: int, law: float) -> G
     width = np.diff(edges)
     camber = np.stack([camber_line(a, edges)[0] for a in airfoils])
     slope = np.stack([camber_line(a, conditions)[1] for a in airfoils])
-    return Grid(*span, edges, (vortices - edges[:-1]) / width, (conditions - edges[:-1]) / width, camber, slope)
+    places = ((vortices - edges[:-1]) / width, (conditions - edges[:-1]) / width)
+    return Grid(*span, edges, *places, camber, slope, np.stack([thickness_growth(a) for a in airfoils]))
 
 
 def surface_mesh(sections: Sections, grid: Grid, shape: str = CAMBER) -> Float[Array, "nc1 ns1 3"]:

@@ -178,6 +178,14 @@ def _without_rear_spar(old):
     return properties
 
 
+def _bound_alone(old):
+    def jet_edges(*args, **how):
+        edges = old(*args, **how)
+        return edges._replace(trailing=0.0 * edges.trailing, images=0.0 * edges.images)
+
+    return jet_edges
+
+
 def _nothing(old):
     return lambda *args: jax.tree.map(jnp.zeros_like, old(*args))
 
@@ -218,6 +226,14 @@ MUTATIONS = {
         PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.03-0.05]",
         wrap=True,
     ),
+    "trailing_unanswered": Mutation(
+        "answer of a jet's edges to what trails",
+        ("disks:jet_edges",),
+        _bound_alone,
+        TUNNEL + "test_model_II",
+        wrap=True,
+    ),
+    "thickness_off": Mutation("flow of thickness at the disks", ("coupling:THICKNESS",), 0.0, TUNNEL + "test_model_II"),
     "edges_alike": Mutation(
         "less of that answer near the axis of a jet",
         ("finite_jet:CENTRE",),

@@ -1,10 +1,10 @@
-"""A wing of infinite span, chord 1, through concentric round jets, by boundary elements.
+"""A wing of chord 1 through concentric round jets, of infinite span or with its middle in them, by boundary elements.
 
 With Phi = V phi (local speed of the stream times potential) the linear problem is that of a dielectric: at an edge
 Phi and dPhi/dn / V^2 are continuous, the jump of Phi over wing and wake is V Gamma, the lift, continuous too; on the
 wing dPhi/dz = -V^2 times the incidence. The edges are cylinders of sources sigma = 2 k (dPhi/dn of all else), k as in
 `finite_jet.reflection`; the wing a lattice of quarter and three-quarter points. Unknown is the change of the lift
-against the wing in the plain stream, so that there are no tips; lifts are over the latter's.
+against the wing in the plain stream, so that an infinite one has no tips; lifts are over a plate's.
 
 Sources run along x between the panels' ends and are integrated exactly, the first and the last to infinity. Symmetry
 by y = 0, or the reverse for an odd load such as a swirl's; reversed by z = 0.
@@ -32,7 +32,7 @@ def horseshoes(points, x, inner, outer):
     return np.stack([pz * bound, 0 * bound, -(px - x) * bound], -1) - leg(inner) + leg(outer)
 
 
-def strips(radii, inside):
+def strips(radii, inside, half_span):
     """Edges and middles of strips from the axis out; edges of jets are edges of strips, dense on both sides."""
     edges, middles = [0.0], []
     for low, high in zip([0.0, *radii[:-1]], radii, strict=True):
@@ -44,7 +44,7 @@ def strips(radii, inside):
         edges += list(place(np.arange(1, n + 1) / n))
         middles += list(place((np.arange(n) + 0.5) / n))
     first = edges[-1] - edges[-2]
-    q = brentq(lambda q: first * (q**STRIPS - 1) / (q - 1) - REACH, 1.01, 5.0)
+    q = brentq(lambda q: first * (q**STRIPS - 1) / (q - 1) - (half_span - radii[-1]), 1.01, 5.0)
 
     def beyond(i):
         return radii[-1] + first * (q**i - 1) / (q - 1)
@@ -53,12 +53,15 @@ def strips(radii, inside):
 
 
 class RoundJets:
-    """Influences for given radii, of loads that are symmetric along the span or reversed."""
+    """Influences for given radii, of loads that are symmetric along the span or reversed.
 
-    def __init__(self, radii, chordwise=4, inside=12, odd=False):
+    ``met`` is the normal velocity of the plain stream by the chord fraction, of a plate by default.
+    """
+
+    def __init__(self, radii, chordwise=4, inside=12, odd=False, half_span=None, met=None):
         self.image = -1.0 if odd else 1.0  # of the load on the other half
         self.radii, self.chordwise = np.array(radii, float), chordwise
-        edges, self.middle = strips(list(radii), inside)
+        edges, self.middle = strips(list(radii), inside, half_span or REACH + radii[-1])
         self.width, self.strips = np.diff(edges), len(self.middle)
         self.bound, self.met = ((np.arange(chordwise) + part) / chordwise for part in (0.25, 0.75))
         self.points = np.array([[x, y, 0.0] for x in self.met for y in self.middle])
@@ -69,12 +72,21 @@ class RoundJets:
             return np.concatenate(each, axis=1)
 
         self.lattice = influence(self.points)[:, :, 2]
-        self.plate = np.linalg.solve(-1 / (2 * np.pi * (self.met[:, None] - self.bound)), -np.ones(chordwise))
+        normal = np.ones(chordwise) if met is None else met(self.met)
+        self.normal = np.repeat(normal, self.strips)
+        plane = -1 / (2 * np.pi * (self.met[:, None] - self.bound))
+        self.plate, section = (np.linalg.solve(plane, -v) for v in (np.ones(chordwise), normal))
         self._sources()
         flow = influence(self.centres)
         self.onto = np.einsum("psk,pk->ps", flow, self.normals)
-        dx, z = self.centres[:, :1] - self.bound, self.centres[:, 2:]
-        self.onto_plain = -(dx / (dx**2 + z**2)) @ self.plate / (2 * np.pi) * self.normals[:, 2]
+        if half_span is None:
+            dx, z = self.centres[:, :1] - self.bound, self.centres[:, 2:]
+            self.onto_plain = -(dx / (dx**2 + z**2)) @ section / (2 * np.pi) * self.normals[:, 2]
+            self.plain = np.repeat(section, self.strips)  # lift without jets
+        else:
+            self.plain = np.linalg.solve(self.lattice, -self.normal)
+            self.onto_plain = self.onto @ self.plain
+        self.downwash = section.sum() / self.plate.sum() - self._strips(self.plain)  # of what trails without jets
 
     def _sources(self):
         """Panels of a quarter of every cylinder, with their mirror images: on each other and on the wing."""
@@ -122,16 +134,27 @@ class RoundJets:
         return lift.reshape(self.chordwise, self.strips).sum(axis=0) / self.plate.sum()
 
     def gain(self, speeds, edges=1.0):
-        """What the jets add to the lift of a plate, by strip; ``edges`` = 0 leaves the answer of the edges out."""
+        """What the jets add to the lift, by strip; ``edges`` = 0 leaves the answer of the edges out."""
         by_strip, plain = self.answer(speeds)
-        right = 1 - self.speed(self.points[:, 1], speeds) ** 2 - edges * plain
+        right = self._faster(speeds) - edges * plain
         return self._strips(np.linalg.solve(self.lattice + edges * by_strip, right))
+
+    def _faster(self, speeds):
+        """Right-hand side by the speed of the jets."""
+        return (1 - self.speed(self.points[:, 1], speeds) ** 2) * self.normal
 
     def swirled(self, speeds, swirl, edges=1.0):
         """Lift by an upwash in the jets at the wing's points, over that of a plate so inclined in the plain stream."""
         right = self.speed(self.points[:, 1], speeds) * swirl
         return self._strips(np.linalg.solve(self.lattice + edges * self.answer(speeds)[0], -right))
 
-    def modelled(self, answer, relief, right):
-        """Change of lift by a lattice for the lift with `finite_jet`'s answer (at the points) and relief (by strip)."""
-        return (1.0 - relief) * self._strips(np.linalg.solve(self.lattice, right + answer))
+    def modelled(self, speeds, edges, weights):
+        """The gain by a lattice for the lift with `finite_jet.JetEdges` by strip; ``weights`` of a strip's rings."""
+        rings = np.cumsum(self.plain.reshape(self.chordwise, self.strips), axis=0)
+        bound = edges.bound * (weights @ rings) / self.plate.sum()
+
+        def lift(right):
+            return self._strips(np.linalg.solve(self.lattice, right))
+
+        added = lift(self._faster(speeds) + np.tile(bound, self.chordwise))
+        return (1.0 - edges.relief) * added + lift(np.tile(edges.trailing * self.downwash, self.chordwise))

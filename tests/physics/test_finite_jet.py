@@ -55,13 +55,47 @@ def test_answer_summed_along_the_span(radius):
     assert found == pytest.approx(exact, rel=0.02)
 
 
+def shares(n):
+    xi = jnp.linspace(0.0, 1.0, n + 1)
+    return np.asarray(fj.chord_shares(xi, jnp.full(n, 0.25), jnp.full(n, 0.75))), xi[:-1] + 0.75 / n
+
+
+def test_normal_velocities_of_a_strip_give_its_circulation():
+    """A plate, and a parabola with V . n = -cos theta, whose lift is half of that (Glauert); exact on any panels."""
+    (weights, _), met = shares(4)
+    assert weights.sum() == pytest.approx(1.0, rel=1e-12)
+    assert weights @ (2.0 * met - 1.0) == pytest.approx(0.5, rel=1e-12)
+
+
 def test_lift_about_the_middle_of_the_chord_is_answered_less():
-    """Weights of a strip: one for a plate, `MIDDLE` for a load by camber (V . n = -cos theta), Glauert's integrals."""
-    xi = np.linspace(0.0, 1.0, 201)
-    weights = np.asarray(fj.chord_shares(jnp.asarray(xi)))
-    slope = 1.0 - (xi[1:] + xi[:-1])  # cos theta at the middles
-    assert np.sum(weights) == pytest.approx(1.0, rel=1e-12)
-    assert weights @ -slope == pytest.approx(0.5 * fj.MIDDLE, rel=1e-3)
+    """Rings of a plate count whole, those of an even load `MIDDLE` times."""
+    _, weights = shares(100)[0]
+    at = (np.arange(100) + 0.25) / 100
+    plate, middle = np.sqrt((1 - at) / at), np.sqrt(at * (1 - at))
+    for load, expected in ((plate, 1.0), (middle, fj.MIDDLE)):
+        assert weights @ np.cumsum(load) / load.sum() == pytest.approx(expected, rel=0.01)
+
+
+def answer_to_a_vortex(y, at, radius, k, n=4000):
+    """Downwash at y of a dielectric cylinder's answer to a unit vortex, by sources around it (Green, in planes)."""
+    angle = (np.arange(n) + 0.5) * 2 * np.pi / n
+    ring = radius * np.exp(1j * angle)
+    # a vortex with u - i v = i / (2 pi (z - at)) has -v = downwash 1 / (2 pi (y - at)) at y on the real axis
+    flow = np.conj(-1j / (2 * np.pi * (ring - at)))
+    source = 2 * k * np.real(flow * np.exp(-1j * angle))
+    source -= source.mean()  # a circle of even sources has its flow outside alone
+    velocity = np.conj(np.sum(source * radius * 2 * np.pi / n / (2 * np.pi * (y - ring))))
+    return -np.imag(velocity)
+
+
+@pytest.mark.parametrize("at", [0.1, 0.35, 0.8, -0.3, -1.5])
+@pytest.mark.parametrize("y", [0.02, 0.3, -0.4, 0.7, -1.2])
+def test_images_of_what_trails(y, at, radius=0.5):
+    """k times the vortex and its image's difference: sources around the edge, at any two places."""
+    images = fj.trailing_images(jnp.array([y]), jnp.array([[at - y]]), jnp.array([radius]))[0, 0]
+    across = min(1.0, (radius / y) ** 2)
+    found = across * (1.0 / (y - at) + float(images)) / (2 * np.pi)
+    assert found == pytest.approx(answer_to_a_vortex(y, at, radius, 1.0), rel=0.01, abs=1e-6)
 
 
 def edges(excess, distance, radius=0.5):
@@ -75,6 +109,7 @@ def edges(excess, distance, radius=0.5):
         radius=jnp.broadcast_to(steps, (n, *steps.shape)),
         excess=jnp.broadcast_to(excess, (n, *excess.shape)),
         share=share,
+        images=jnp.zeros((n, 0)),
     )
 
 
@@ -83,7 +118,8 @@ PLACES = np.array([0.0, 0.2, 0.45, 0.5, 0.55, 1.5])
 
 def test_nothing_without_a_jet_and_all_in_still_air():
     none = edges([0.0, 0.0], PLACES)
-    np.testing.assert_array_equal(none.answer, 0.0)
+    np.testing.assert_array_equal(none.bound, 0.0)
+    np.testing.assert_array_equal(none.trailing, 0.0)
     np.testing.assert_array_equal(none.relief, 0.0)
     still = edges([1e8, 1e8], PLACES)
     assert 0.99 < float(still.relief[-1]) < 1.0
@@ -92,15 +128,17 @@ def test_nothing_without_a_jet_and_all_in_still_air():
 def test_outside_the_relief_is_that_of_the_image():
     """A full jet takes 1 - k = 2 / (1 + mu^2) of the added lift outside, whatever the distance."""
     radius = jnp.broadcast_to(jnp.array([1e-4, 0.5]), (3, 2))
-    found = fj.jet_edges(
-        jnp.array([0.7, 1.5, 5.0]), jnp.ones(3), radius=radius, excess=jnp.full((3, 1), 0.44), share=jnp.ones(1)
-    )
+    at, jet = jnp.array([0.7, 1.5, 5.0]), {"excess": jnp.full((3, 1), 0.44), "share": jnp.ones(1)}
+    found = fj.jet_edges(at, jnp.ones(3), radius=radius, images=jnp.zeros((3, 0)), **jet)
     np.testing.assert_allclose(found.relief, float(fj.reflection(1.2)), rtol=0.02)
+    # downwash that hardly changes: inside k of it, outside as of a dipole
+    np.testing.assert_allclose(found.trailing, float(fj.reflection(1.2)) * (0.5 / at) ** 2, rtol=1e-3)
 
 
 def test_a_braking_rotor_takes_back_what_a_thrusting_one_gives():
     one, other = edges([0.01, 0.02], PLACES), edges([-0.01, -0.02], PLACES)
-    np.testing.assert_allclose(one.answer, -other.answer, rtol=0.03)
+    np.testing.assert_allclose(one.bound, -other.bound, rtol=0.03)
+    np.testing.assert_allclose(one.trailing, -other.trailing, rtol=0.03)
     np.testing.assert_allclose(one.relief, -other.relief, rtol=0.05)
 
 
@@ -110,7 +148,7 @@ def test_derivatives_are_finite_and_exact(excess):
 
     def total(v):
         found = edges(v[:2], distance + v[2], radius=0.5 + v[3])
-        return jnp.sum(found.answer) + jnp.sum(found.relief**2)
+        return jnp.sum(found.bound) + jnp.sum(found.relief**2) + jnp.sum(found.trailing)
 
     at = jnp.array([*excess, 0.01, 0.0])
     gradient = jax.grad(total)(at)

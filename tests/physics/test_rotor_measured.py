@@ -63,15 +63,9 @@ def test_ccblade_propeller_with_its_own_table():
         np.testing.assert_allclose(found, [CT, CP], rtol=0.01)
 
 
-@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.010, 0.010), (35, 1.2, 0.010, 0.011)])
-def test_naca_propeller(angle, first, bound_CT, bound_CP):
-    """NACA Report 658, propeller 5868-9, from its rated load to zero thrust: mean absolute error of CT and CP.
-
-    Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge.
-    Errors: CT 0.0089 and CP 0.0095 at 25 degrees, 0.0077 and 0.0104 at 35: the last misses the aim of 0.010.
-    They hold in part by luck. With each radius its own thickness (camber in proportion) they are 0.012, 0.014,
-    0.009, 0.013, and with the angle as that of the flat face besides, as the drawings of the time have it, 0.008,
-    0.011, 0.015, 0.031: 35 degrees is then 0.6 degrees of pitch too strong. The report's nacelle is not modelled.
+def naca_errors(angle, first, slower=0.0):
+    """Mean absolute errors of CT and CP of propeller 5868-9 from an advance ratio on; ``slower``: share of the stream
+    that the disk does not see.
     """
     geometry = read("prop_naca5868_9_geometry.csv")
     radius = 5.0 * FOOT
@@ -81,8 +75,34 @@ def test_naca_propeller(angle, first, bound_CT, bound_CP):
     )  # fmt: skip
     run = solver(40, radius=radius, hub_radius=0.2 * radius, n_blades=3.0, **SEA_LEVEL)
     rows = [row for row in read(f"prop_naca5868_9_beta{angle}.csv") if row[0] >= first]
-    found = np.array([run(blade, FOOT * row[5], row[4] * np.pi / 30.0, np.radians(angle)) for row in rows])
-    error_CT, error_CP = np.mean(np.abs(found - np.array(rows)[:, 2:4]), axis=0)
+    inflow = FOOT * (1.0 - slower)
+    found = np.array([run(blade, inflow * row[5], row[4] * np.pi / 30.0, np.radians(angle)) for row in rows])
+    return np.mean(np.abs(found - np.array(rows)[:, 2:4]), axis=0)
+
+
+@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.010, 0.010), (35, 1.2, 0.010, 0.011)])
+def test_naca_propeller(angle, first, bound_CT, bound_CP):
+    """NACA Report 658, propeller 5868-9, from its rated load to zero thrust.
+
+    Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge.
+    Errors: CT 0.0089 and CP 0.0095 at 25 degrees, 0.0077 and 0.0104 at 35: the last misses the aim of 0.010.
+    They hold in part by luck. With each radius its own thickness (camber in proportion) they are 0.012, 0.014,
+    0.009, 0.013, and with the angle as that of the flat face besides, as the drawings of the time have it, 0.008,
+    0.011, 0.015, 0.031: 35 degrees is then 0.6 degrees of pitch too strong.
+    """
+    error_CT, error_CP = naca_errors(angle, first)
+    assert error_CT < bound_CT
+    assert error_CP < bound_CP
+
+
+@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.008, 0.008), (35, 1.2, 0.008, 0.009)])
+def test_naca_propeller_before_its_nacelle(angle, first, bound_CT, bound_CP):
+    """The run that says what lacks: an inflow 1 % slower, as any nacelle behind the disk makes it, lowers all four.
+
+    The errors are then 0.0072, 0.0070 and 0.0069, 0.0081. The propeller was measured before the nacelle of a
+    liquid-cooled engine, whose shape is not in the source, so that this stays a run and no model.
+    """
+    error_CT, error_CP = naca_errors(angle, first, slower=0.01)
     assert error_CT < bound_CT
     assert error_CP < bound_CP
 

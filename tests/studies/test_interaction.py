@@ -10,7 +10,7 @@ from hera_om.studies import interaction as study
 
 SPLIT = ("CX", "CZ", "Cm", "CY", "Cl", "Cn")
 NAMES = ("wing", "htail", "vtail", "fuselage", "rotors")
-STEP = 0.005  # deg
+STEP = 0.002  # deg
 
 
 @pytest.fixture(scope="module")
