@@ -61,11 +61,12 @@ INSTALLED = """\
 ΔL/D is swirl that the wing recovers: it goes with the swirl, changes its sign or nearly vanishes with the sense of
 rotation, and grows with thrust. At 5 degrees the rotors' own lift, which is not in this L/D, turns the slipstreams
 down, and that takes back what the swirl gives: see the run without the turn. The paper does not give its thrust;
-the runs over blade pitch show the thrust that has its ΔL/D here. ΔT is the flow of the wing's thickness, which slows
-the disks at any incidence and is of the size of the paper's ΔT, and upwash, which grows with incidence. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts
-and ahead of the centre of gravity: the split by part shows that what slipstreams do to surfaces is near the paper's
-changes, the forces of the
-rotors themselves are beyond them.
+the runs over blade pitch show the thrust that has its ΔL/D and its ΔT here, 2 to 4 degrees more. ΔT is the flow of the
+wing's thickness, which slows the disks alike at any incidence, and upwash, which grows with incidence; at fixed pitch
+either counts the more the less the rotors are loaded. What the thickness gives to the thrust it takes from L/D, as drag
+in the pressure of the slipstream. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts and ahead of
+the centre of gravity: the split by part shows that what slipstreams do to surfaces is near the paper's changes, the
+forces of the rotors themselves are beyond them.
 """
 TAIL = """\
 The tail stands at z = {z:g} m, above the slipstreams of rotors on a wing at {wing:g} m. Height alone changes size and
@@ -382,7 +383,7 @@ def propeller(folder: Path) -> Path:
 CAPTIONS = {
     "loads_over_incidence": "Vertical force, pitching moment and tail loads over incidence (paper: Figs. 8, 14).",
     "span_load": "Load along the wing with and without rotors; disks in grey (paper: Fig. 11).",
-    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge (paper: Fig. 10).",
+    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge, without that of thickness (paper: Fig. 10).",
     "blade_load_over_azimuth": "Blade load at 75 % radius around the disks (paper: Fig. 9).",
     "propeller_5868_9": "Thrust, power and efficiency of a measured propeller.",
 }

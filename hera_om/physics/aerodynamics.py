@@ -83,7 +83,7 @@ class DragParts(NamedTuple):
 
     CDi: Array  # from the Trefftz plane, circulation alone
     CDi_near: Array  # from the near field, circulation alone
-    CD_slipstream: Array  # of the slipstreams' velocities on the circulation; negative: swirl recovered
+    CD_slipstream: Array  # of the slipstreams' velocities on circulation and thickness; negative: swirl recovered
     CD_profile: Array
     CD_areas: Array
 
@@ -246,7 +246,7 @@ class HalfLoads(NamedTuple):
 
     loads: StripLoads  # profile drag included
     profile: Float[Array, "s 3"]  # force of the profile drag that belongs to the half, m^2
-    slip: Array  # drag of the slipstream's velocities on the circulation, m^2
+    slip: Array  # drag of the slipstreams' velocities on circulation and thickness, m^2
     filaments: Float[Array, "e 3"]  # forces on the filaments, m^2
     state: StripState
 
