@@ -54,8 +54,9 @@ compressibility; and besides, the reference area and the tail's area times {k:.3
 beside both, with the chord as above.
 """
 CENTRE = """\
-Table 3 does not say what its moments refer to; the centre of gravity it is not. About a point {back:.3f} of that chord farther aft, where the
-first row's slope is the paper's, the slopes of fuselage and tail and their changes are the paper's too:
+Table 3 does not say what its moments refer to; the centre of gravity it is not. About a point {back:.3f} of that chord
+farther aft, where the first row's slope is the paper's, the slopes of fuselage and tail and their changes are the
+paper's too:
 """
 INSTALLED = """\
 ΔL/D is swirl that the wing recovers: it goes with the swirl, changes its sign or nearly vanishes with the sense of
@@ -383,7 +384,8 @@ def propeller(folder: Path) -> Path:
 CAPTIONS = {
     "loads_over_incidence": "Vertical force, pitching moment and tail loads over incidence (paper: Figs. 8, 14).",
     "span_load": "Load along the wing with and without rotors; disks in grey (paper: Fig. 11).",
-    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge, without that of thickness (paper: Fig. 10).",
+    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge, without that of thickness "
+    "(paper: Fig. 10).",
     "blade_load_over_azimuth": "Blade load at 75 % radius around the disks (paper: Fig. 9).",
     "propeller_5868_9": "Thrust, power and efficiency of a measured propeller.",
 }
