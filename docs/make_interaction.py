@@ -54,15 +54,16 @@ compressibility; and besides, the reference area and the tail's area times {k:.3
 beside both, with the chord as above.
 """
 CENTRE = """\
-Table 3 does not say what its moments refer to; the centre of gravity it is not. About a point {back:.3f} of that chord
-farther aft, where the first row's slope is the paper's, the slopes of fuselage and tail and their changes are the
-paper's too:
+Table 3 does not say what its moments refer to. About a point {back:.3f} of that chord farther aft, chosen so that the
+first row's slope is the paper's, slope and change of fuselage and tail come out as the paper's; the tail's own slopes
+hardly move, and the rotors' change, which their forces far ahead of any such point make, is not explained by it:
 """
 INSTALLED = """\
-ΔL/D is swirl that the wing recovers: it goes with the swirl, changes its sign or nearly vanishes with the sense of
+ΔL/D is swirl that the wing recovers: it goes with the swirl, is gone with the other sense of
 rotation, and grows with thrust. At 5 degrees the rotors' own lift, which is not in this L/D, turns the slipstreams
 down, and that takes back what the swirl gives: see the run without the turn. The paper does not give its thrust;
-the runs over blade pitch show the thrust that has its ΔL/D and its ΔT here, 2 to 4 degrees more. ΔT is the flow of the
+the runs over blade pitch show what more of it does: at 0 degrees its ΔL/D lies between 2 and 4 degrees more and its ΔT
+between 0 and 2, at 5 degrees its ΔL/D lies beyond 4 and its ΔT between 2 and 4. ΔT is the flow of the
 wing's thickness, which slows the disks alike at any incidence, and upwash, which grows with incidence; at fixed pitch
 either counts the more the less the rotors are loaded. What the thickness gives to the thrust it takes from L/D, as drag
 in the pressure of the slipstream. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts and ahead of
@@ -384,8 +385,8 @@ def propeller(folder: Path) -> Path:
 CAPTIONS = {
     "loads_over_incidence": "Vertical force, pitching moment and tail loads over incidence (paper: Figs. 8, 14).",
     "span_load": "Load along the wing with and without rotors; disks in grey (paper: Fig. 11).",
-    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge, without that of thickness "
-    "(paper: Fig. 10).",
+    "leading_edge_velocity": "Induced velocity a tenth of the chord ahead of the leading edge, without that of "
+    "thickness (paper: Fig. 10).",
     "blade_load_over_azimuth": "Blade load at 75 % radius around the disks (paper: Fig. 9).",
     "propeller_5868_9": "Thrust, power and efficiency of a measured propeller.",
 }

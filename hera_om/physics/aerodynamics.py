@@ -244,7 +244,7 @@ def _pitching(x: Controls):
 class HalfLoads(NamedTuple):
     """What one half carries, over dynamic pressure."""
 
-    loads: StripLoads  # profile drag included
+    loads: StripLoads  # profile drag and the drag of thickness in slipstreams included
     profile: Float[Array, "s 3"]  # force of the profile drag that belongs to the half, m^2
     slip: Array  # drag of the slipstreams' velocities on circulation and thickness, m^2
     filaments: Float[Array, "e 3"]  # forces on the filaments, m^2
@@ -286,7 +286,7 @@ def _on_thickness(at: Setting, lay: Layout, along: Float[Array, " e"]) -> Float[
         return jnp.zeros_like(lattice.strip_chord)
     bound = np.flatnonzero(lay.share == 1.0)
     strip = lay.inner[bound]
-    force = buoyancy(thickness.growth, lattice.strip_width[strip], along[bound])
+    force = buoyancy(thickness.growth, lattice.strip_width[strip], along[bound], mach=at.flow.mach)
     return jnp.zeros_like(lattice.strip_chord).at[strip].add(force)
 
 

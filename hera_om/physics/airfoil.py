@@ -7,8 +7,8 @@ import numpy as np
 from hera_om.core.contours import POINTS, contour_table
 from hera_om.core.mean_lines import mean_line
 
-_EVERY = 8  # that many stations of thickness; they stand between as many steps of a contour's table
-_NODES = np.arange(POINTS // _EVERY // 2, POINTS - 1, (POINTS - 1) // _EVERY)
+_COUNT = 8  # of the stations of thickness; they are nodes of a contour's table
+_NODES = np.arange((POINTS - 1) // _COUNT // 2, POINTS - 1, (POINTS - 1) // _COUNT)
 _ANGLE = np.linspace(0.0, np.pi, POINTS)[_NODES]
 STATIONS = (1.0 - np.cos(_ANGLE)) / 2.0
 """Chord fractions of the stations of thickness, at the middles of equal steps of their angle: a round nose is no
@@ -44,5 +44,5 @@ def thickness_growth(airfoil: Any) -> np.ndarray:
     Returns:
         Steps of the thickness, zero in all.
     """
-    rate = 2.0 * np.pi / _EVERY * contour_table(airfoil)[3][_NODES]
+    rate = 2.0 * np.pi / _COUNT * contour_table(airfoil)[3][_NODES]
     return rate - rate.sum() * np.sin(_ANGLE) / np.sin(_ANGLE).sum()

@@ -12,14 +12,12 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import (
     Found,
-    Strips,
     Wake,
     at_other_disks,
     disk_points,
@@ -29,12 +27,13 @@ from hera_om.physics.disks import (
     wake_behind,
 )
 from hera_om.physics.finite_jet import JetEdges, chord_shares
-from hera_om.physics.geometry import FLAT, Panels, between, surface_mesh
+from hera_om.physics.geometry import FLAT, Grid, Panels, surface_mesh
 from hera_om.physics.lattice import MIRROR, Lattice, assemble, marked, prandtl_glauert, solve, solve_halves
 from hera_om.physics.lattice_forces import pressure_cells
-from hera_om.physics.layout import PLANE, SINGLE, Layout, layout
+from hera_om.physics.layout import FREE, PLANE, ROOTED, Layout, layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
+from hera_om.physics.strips import met_strips, shed, strip_of_panels
 from hera_om.physics.thickness import THICKNESS, on_panels, source_lines, source_velocity, strip_growth
 
 SLIPSTREAM = 1.0
@@ -44,7 +43,9 @@ UPWASH = 1.0
 NEIGHBOURS = 1.0
 """Share of a rotor's slipstream that reaches other rotors."""
 FINITE_JET = 1.0
-"""Share of what the edges of a slipstream do to the lift that it adds."""
+"""Share of what the edges of a slipstream do to the lift of surfaces."""
+MIRRORED = (ROOTED, FREE)
+"""Kinds of surfaces that have an image in the plane of symmetry."""
 
 
 class SlenderInfluence(NamedTuple):
@@ -56,7 +57,7 @@ class SlenderInfluence(NamedTuple):
 
 
 class Thickness(NamedTuple):
-    """Flow of the thickness of all surfaces, and where slipstreams act on it."""
+    """Flow of the thickness of surfaces with an image, and where slipstreams act on it."""
 
     at_disks: Array  # velocity over the flight speed at the blade elements, m nr npsi 3
     growth: Float[Array, " n"]  # of thickness by panel, m
@@ -74,6 +75,7 @@ class System(NamedTuple):
     slender: SlenderInfluence | None = None
     shares: Array | None = None  # [2 n] of each panel in its strip, see `finite_jet.chord_shares`
     thickness: Thickness | None = None
+    mirrored: Array | None = None  # 1 for every surface with an image, else 0
     wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
     turn: Any = None  # derivative of all this by that angle, without factors
 
@@ -127,7 +129,7 @@ class Jets(NamedTuple):
     """What slipstreams do at the collocation points of each half, one by one (axis k) or together."""
 
     velocity: Float[Array, "h *k n 3"]  # over the flight speed
-    edges: JetEdges  # at the strips, each "h *k s"
+    edges: JetEdges  # at the strips, each "h *k s"; the images "h *k s u"
 
 
 class Washes(NamedTuple):
@@ -206,29 +208,32 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
     cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
     shares = jnp.concatenate(
         [
-            jnp.repeat(chord_shares(*map(jnp.asarray, s.grid[2:5])), p.strip_chord.shape[0], axis=1)
+            jnp.repeat(_chord_shares(s.grid), p.strip_chord.shape[0], axis=1)
             for s, p in zip(surfaces, panels, strict=True)
         ],
         axis=1,
     )
-    thickness = (
-        _thickness(surfaces, panels, model.kinds, disks, prandtl_glauert(jnp.asarray(mach, float))) if count else None
-    )
-    return System(lattice, (at_disks[0], at_disks[1]), edges, tuple(panels), cells, influence, shares, thickness)
+    mirrored = jnp.asarray([float(kind in MIRRORED) for kind in model.kinds])
+    thickness = _thickness(surfaces, panels, model.kinds, disks, jnp.asarray(mach, float)) if count else None
+    by_disks = (at_disks[0], at_disks[1])
+    return System(lattice, by_disks, edges, tuple(panels), cells, influence, shares, thickness, mirrored)
 
 
-def _thickness(surfaces: list[Surface], panels: list[Panels], kinds, disks, beta) -> Thickness:
-    """Flow of thickness of the surfaces; of one without an image none, as halves would then differ in it."""
-    points, mirror = disks.reshape(-1, 3), jnp.asarray(MIRROR)
+def _chord_shares(grid: Grid) -> Float[Array, "2 nc"]:
+    return chord_shares(*(jnp.asarray(v) for v in (grid.xi, grid.front, grid.rear)))
+
+
+def _thickness(surfaces: list[Surface], panels: list[Panels], kinds, disks, mach) -> Thickness:
+    """Flow of thickness of the surfaces with an image; the others are not in mirrored flow, which would miss theirs."""
+    points, mirror, beta = disks.reshape(-1, 3), jnp.asarray(MIRROR), prandtl_glauert(mach)
     flow, every = jnp.zeros_like(points), []
     for surface, own, kind in zip(surfaces, panels, kinds, strict=True):
-        if surface.thickness is None or kind == SINGLE:
+        if surface.thickness is None or kind not in MIRRORED:
             every.append(jnp.zeros(own.normal[..., 0].size))
             continue
         growth = strip_growth(surface.grid, surface.sections.chord, surface.thickness)
         lines = source_lines(surface.sections, surface.grid, growth, own.strip_width)
-        image = 0.0 if kind == PLANE else mirror * source_velocity(points * mirror, lines, beta)
-        flow = flow + source_velocity(points, lines, beta) + image
+        flow += source_velocity(points, lines, beta) + mirror * source_velocity(points * mirror, lines, beta)
         every.append(on_panels(surface.grid, growth))
     return Thickness(THICKNESS * flow.reshape(disks.shape), THICKNESS * jnp.concatenate(every))
 
@@ -323,16 +328,18 @@ def _strengths(at: Setting, jets: Jets | None, plain: list[Array], added: list[A
     found = _solved(lattice, plain)
     if jets is None:
         return found
-    strip, last = _strip_of_panels(at.system)
+    strip, last = strip_of_panels(at.system.panels)
     relief = FINITE_JET * jets.edges.relief[:, strip]
+    sweep = lattice.strip_width / jnp.linalg.norm(lattice.strip_edge, axis=1)  # cosine: of a swept wing in plane flow
+    plane = 1.0 / (jnp.pi * lattice.strip_chord)
     bound, trailing = [], []
-    for i, strength in enumerate(found):
+    for i, (strength, other) in enumerate(zip(found, found[::-1], strict=True)):
         sums = jnp.zeros((2, len(last))).at[:, strip].add(shares * jnp.stack([-plain[i], strength]))
-        plane = prandtl_glauert(at.flow.mach) / (jnp.pi * lattice.strip_chord)
-        downwash = sums[0] - plane * strength[last]
-        bound.append(FINITE_JET * (jets.edges.bound[i] * plane * sums[1])[strip])
-        steps = jets.edges.trailing[i] * downwash + jets.edges.images[i] @ _shed(at.system, strength[last])
-        trailing.append(FINITE_JET * steps[strip])
+        downwash = sums[0] - plane * prandtl_glauert(at.flow.mach * sweep) / sweep * strength[last]
+        answer = jets.edges.trailing[i] * downwash
+        answer += jets.edges.images[i] @ shed(at.system.panels, strength[last], other[last])
+        trailing.append(FINITE_JET * answer[strip])
+        bound.append(FINITE_JET * (jets.edges.bound[i] * plane * prandtl_glauert(at.flow.mach) * sums[1])[strip])
     found = found + _solved(lattice, trailing)
     return found + (1.0 - relief) * _solved(lattice, [a + b for a, b in zip(added, bound, strict=True)])
 
@@ -356,47 +363,6 @@ def _met(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> tu
     faster = jets.velocity[i] @ wind(x, side)
     blown = jnp.sum(jets.velocity[i] * normal, axis=-1)
     return met, faster * met + (1.0 + faster) * blown
-
-
-def _strip_of_panels(system: System) -> tuple[np.ndarray, np.ndarray]:
-    """Index of every panel's strip, and of every strip's last panel, whose ring has the circulation of the strip."""
-    first, panel, parts, last = 0, 0, [], []
-    for panels in system.panels:
-        rows, strips = panels.normal.shape[:2]
-        parts.append(np.tile(first + np.arange(strips), rows))
-        first, panel = first + strips, panel + rows * strips
-        last.append(panel - strips + np.arange(strips))
-    return np.concatenate(parts), np.concatenate(last)
-
-
-def _shed(system: System, strength: Float[Array, " s"]) -> Float[Array, " t"]:
-    """Steps of the circulation of strips at the nodes of their edges, none in the plane of symmetry."""
-    parts, first = [], 0
-    for panels in system.panels:
-        n = panels.strip_width.shape[0]
-        own = strength[first : first + n]
-        inner = jnp.where(jnp.abs(panels.strip_edges[0, 1]) > 0.0, own[0], 0.0)
-        parts += [inner[None], jnp.diff(own), -own[-1:]]
-        first += n
-    return jnp.concatenate(parts)
-
-
-def _strips(system: System) -> Strips:
-    """Strips of all surfaces as slipstreams meet them."""
-    lattice = system.lattice
-    assert lattice is not None
-    along = lattice.strip_edge * jnp.asarray([0.0, 1.0, 1.0])
-    edges = [jnp.append(0.0, jnp.cumsum(p.strip_width)) for p in system.panels]
-    middles = [between(e[:-1], e[1:], p.middle) for e, p in zip(edges, system.panels, strict=True)]
-    counts = [len(e) for e in edges]
-    own = np.repeat(np.eye(len(counts)), counts, axis=1)[np.repeat(np.arange(len(counts)), np.subtract(counts, 1))]
-    return Strips(
-        point=lattice.strip_point,
-        along=along / jnp.linalg.norm(along, axis=1, keepdims=True),
-        chord=lattice.strip_chord,
-        nodes=jnp.where(own > 0.0, jnp.concatenate(edges) - jnp.concatenate(middles)[:, None], 1.0),
-        own=jnp.asarray(own),
-    )
 
 
 def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
@@ -464,7 +430,9 @@ def washes(
     if filaments:
         ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
     each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
-    edges = slipstream_edges(at.rotors, plan, wake, _strips(at.system), winds=air)
+    assert at.system.mirrored is not None
+    strips = met_strips(at.system.panels, lattice, at.system.mirrored)
+    edges = slipstream_edges(at.rotors, plan, wake, strips, winds=air)
     jets = Jets(each[:, :, :n], jax.tree.map(lambda v: SLIPSTREAM * v, edges))
     return Washes(jets, disks, each[:, :, n:] if filaments else None)
 

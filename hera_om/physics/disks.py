@@ -21,6 +21,7 @@ from hera_om.physics.slipstream import (
     skew,
     slipstream_velocity,
 )
+from hera_om.physics.strips import Strips
 from hera_om.physics.windmilling import Known, feathering_pitch, windmilling_speed
 
 EDGE_WIDTH = 0.1
@@ -55,16 +56,6 @@ class Wake(NamedTuple):
     axial: Float[Array, "h m nr"]
     swirl: Float[Array, "h m nr"]
     side: Float[Array, "h m 2"]  # force on the air in the plane of the disk over rho A V^2, shaft axes y and z
-
-
-class Strips(NamedTuple):
-    """Strips of surfaces that slipstreams meet."""
-
-    point: Float[Array, "n 3"]  # m
-    along: Float[Array, "n 3"]  # unit vector along the strip, across x
-    chord: Float[Array, " n"]  # m
-    nodes: Float[Array, "n t"]  # length along the surface from the strip to all nodes where vortices trail, m
-    own: Float[Array, "n t"]  # 1 where they are those of the strip's surface, else 0
 
 
 def wake_behind(loads: RotorSolution, rotors: Rotors, flow: Flow) -> Wake:
@@ -306,8 +297,9 @@ def slipstream_edges(
 ) -> JetEdges:
     """What the edges of each slipstream do to the strips of each half, axes [h k n].
 
-    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance. Images
-    are those of a surface that passes through the axis; they fade where one passes the slipstream by.
+    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance. Images,
+    of the strip's own surface, are those in the outermost edge of a surface that passes through the axis; they fade
+    where it passes the slipstream by.
     """
 
     def one(at, along, chord, nodes, own, slip):

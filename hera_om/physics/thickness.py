@@ -12,7 +12,6 @@ Valid for thin sections, to first order in thickness and in the slipstream, off 
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -21,7 +20,7 @@ from hera_om.physics.geometry import Grid, Sections
 from hera_om.physics.vortex_kernel import FOUR_PI, segment
 
 THICKNESS = 1.0
-"""Share of the flow of thickness; 0 switches it off."""
+"""Share of the flow of thickness and of its drag in slipstreams; 0 switches them off."""
 
 
 class SourceLines(NamedTuple):
@@ -88,23 +87,34 @@ def source_velocity(points: Float[Array, "p 3"], lines: SourceLines, beta) -> Fl
 def on_panels(grid: Grid, growth: Float[Array, "t s"]) -> Float[Array, " n"]:
     """Growth of thickness by panel, m: that of the stations shared by the bound filaments beside them.
 
-    What is linear along the chord between the filaments is summed as the stations would.
+    What is linear between two filaments, and beyond the first and the last, is summed as the stations would; a single
+    panel has no drag of its thickness.
     """
     xi = jnp.asarray(grid.xi)
     at = xi[:-1] + grid.front * jnp.diff(xi)
-    shares = jax.vmap(lambda row: jnp.interp(STATIONS, at, row))(jnp.eye(at.shape[0]))
+    if at.shape[0] == 1:
+        return jnp.zeros(growth.shape[1])
+    i = jnp.clip(jnp.searchsorted(at, STATIONS) - 1, 0, at.shape[0] - 2)
+    share = (STATIONS - at[i]) / (at[i + 1] - at[i])
+    stations = jnp.arange(STATIONS.size)
+    shares = jnp.zeros((at.shape[0], STATIONS.size)).at[i, stations].add(1.0 - share).at[i + 1, stations].add(share)
     return (shares @ growth).ravel()
 
 
-def buoyancy(growth: Float[Array, " b"], width: Float[Array, " b"], along: Float[Array, " b"]) -> Float[Array, " b"]:
+def buoyancy(
+    growth: Float[Array, " b"], width: Float[Array, " b"], along: Float[Array, " b"], *, mach
+) -> Float[Array, " b"]:
     """Force along the stream on the thickness in slipstreams, over dynamic pressure, m^2.
 
     Sources Q in a velocity u feel -rho Q u; ahead of the disk and behind it the pressure changes by -rho V du, and
-    what changes at the disk alone has no part in it, as a closed section takes in what it gives out.
+    what changes at the disk alone has no part in it, as a closed section takes in what it gives out. The pressure of a
+    force grows with 1 / (1 - M^2), as the sources' flow at the force does; that it is stretched along x as well is left
+    out, which is up to 12 % too much drag at Mach 0.5.
 
     Args:
         growth: of thickness, m, of each piece.
         width: of the pieces along the span, m.
-        along: velocity of the slipstreams along the stream over the flight speed.
+        along: velocity of the slipstreams along the stream over the flight speed, as without compressibility.
+        mach: Mach number.
     """
-    return -2.0 * growth * width * along
+    return -2.0 * growth * width * along / (1.0 - mach**2)

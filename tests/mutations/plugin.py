@@ -186,6 +186,16 @@ def _bound_alone(old):
     return jet_edges
 
 
+def _starboard_alone(old):
+    calls = []
+
+    def steps(surfaces, strength):
+        calls.append(None)
+        return old(surfaces, strength) * (len(calls) % 2)
+
+    return steps
+
+
 def _nothing(old):
     return lambda *args: jax.tree.map(jnp.zeros_like, old(*args))
 
@@ -231,6 +241,13 @@ MUTATIONS = {
         ("disks:jet_edges",),
         _bound_alone,
         TUNNEL + "test_model_II",
+        wrap=True,
+    ),
+    "port_images_off": Mutation(
+        "vortices of the other half in a jet across the plane of symmetry",
+        ("strips:_steps",),
+        _starboard_alone,
+        PHYSICS + "test_strips.py::test_a_jet_around_the_whole_wing_answers_little_to_what_trails[0.0]",
         wrap=True,
     ),
     "thickness_off": Mutation("flow of thickness at the disks", ("coupling:THICKNESS",), 0.0, TUNNEL + "test_model_II"),

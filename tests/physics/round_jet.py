@@ -55,10 +55,10 @@ def strips(radii, inside, half_span):
 class RoundJets:
     """Influences for given radii, of loads that are symmetric along the span or reversed.
 
-    ``met`` is the normal velocity of the plain stream by the chord fraction, of a plate by default.
+    ``normal`` is the normal velocity of the plain stream by the chord fraction, of a plate by default.
     """
 
-    def __init__(self, radii, chordwise=4, inside=12, odd=False, half_span=None, met=None):
+    def __init__(self, radii, chordwise=4, inside=12, odd=False, half_span=None, normal=None):
         self.image = -1.0 if odd else 1.0  # of the load on the other half
         self.radii, self.chordwise = np.array(radii, float), chordwise
         edges, self.middle = strips(list(radii), inside, half_span or REACH + radii[-1])
@@ -72,7 +72,7 @@ class RoundJets:
             return np.concatenate(each, axis=1)
 
         self.lattice = influence(self.points)[:, :, 2]
-        normal = np.ones(chordwise) if met is None else met(self.met)
+        normal = np.ones(chordwise) if normal is None else normal(self.met)
         self.normal = np.repeat(normal, self.strips)
         plane = -1 / (2 * np.pi * (self.met[:, None] - self.bound))
         self.plate, section = (np.linalg.solve(plane, -v) for v in (np.ones(chordwise), normal))

@@ -76,13 +76,13 @@ def test_lift_about_the_middle_of_the_chord_is_answered_less():
         assert weights @ np.cumsum(load) / load.sum() == pytest.approx(expected, rel=0.01)
 
 
-def answer_to_a_vortex(y, at, radius, k, n=4000):
+def answer_to_a_vortex(y, at, radius, n=4000):
     """Downwash at y of a dielectric cylinder's answer to a unit vortex, by sources around it (Green, in planes)."""
     angle = (np.arange(n) + 0.5) * 2 * np.pi / n
     ring = radius * np.exp(1j * angle)
     # a vortex with u - i v = i / (2 pi (z - at)) has -v = downwash 1 / (2 pi (y - at)) at y on the real axis
     flow = np.conj(-1j / (2 * np.pi * (ring - at)))
-    source = 2 * k * np.real(flow * np.exp(-1j * angle))
+    source = 2 * np.real(flow * np.exp(-1j * angle))
     source -= source.mean()  # a circle of even sources has its flow outside alone
     velocity = np.conj(np.sum(source * radius * 2 * np.pi / n / (2 * np.pi * (y - ring))))
     return -np.imag(velocity)
@@ -91,11 +91,26 @@ def answer_to_a_vortex(y, at, radius, k, n=4000):
 @pytest.mark.parametrize("at", [0.1, 0.35, 0.8, -0.3, -1.5])
 @pytest.mark.parametrize("y", [0.02, 0.3, -0.4, 0.7, -1.2])
 def test_images_of_what_trails(y, at, radius=0.5):
-    """k times the vortex and its image's difference: sources around the edge, at any two places."""
+    """Against sources around the edge, at any two places."""
     images = fj.trailing_images(jnp.array([y]), jnp.array([[at - y]]), jnp.array([radius]))[0, 0]
     across = min(1.0, (radius / y) ** 2)
     found = across * (1.0 / (y - at) + float(images)) / (2 * np.pi)
-    assert found == pytest.approx(answer_to_a_vortex(y, at, radius, 1.0), rel=0.01, abs=1e-6)
+    assert found == pytest.approx(answer_to_a_vortex(y, at, radius), rel=0.004, abs=1e-6)
+
+
+def test_derivatives_of_images_are_finite_and_exact():
+    """Vortices and places inside, on the edge and outside, on the axis and the farthest away."""
+    nodes = jnp.array([[0.1, 0.4, -0.7, 30.0]] * 4)
+
+    def total(p):
+        place = jnp.array([0.0, 0.5, -0.5, 2.0]) + p[0]
+        return jnp.sum(fj.trailing_images(place, nodes, (0.5 + p[1]) * jnp.ones(4)))
+
+    at, step = jnp.zeros(2), 1e-6
+    assert np.all(np.isfinite(jax.hessian(total)(at)))
+    for i, exact in enumerate(np.asarray(jax.grad(total)(at))):
+        d = step * jnp.eye(2)[i]
+        assert exact == pytest.approx(float(total(at + d) - total(at - d)) / (2 * step), rel=1e-6)
 
 
 def edges(excess, distance, radius=0.5):

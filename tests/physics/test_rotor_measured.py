@@ -97,7 +97,7 @@ def test_naca_propeller(angle, first, bound_CT, bound_CP):
 
 @pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.008, 0.008), (35, 1.2, 0.008, 0.009)])
 def test_naca_propeller_before_its_nacelle(angle, first, bound_CT, bound_CP):
-    """The run that says what lacks: an inflow 1 % slower, as any nacelle behind the disk makes it, lowers all four.
+    """A run towards what lacks: an inflow 1 % slower (chosen), as a nacelle behind the disk makes it, lowers all four.
 
     The errors are then 0.0072, 0.0070 and 0.0069, 0.0081. The propeller was measured before the nacelle of a
     liquid-cooled engine, whose shape is not in the source, so that this stays a run and no model.

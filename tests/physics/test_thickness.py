@@ -77,37 +77,38 @@ def test_a_line_of_sources_gives_out_its_flux():
 
 def test_finite_wing_far_ahead_is_a_doublet():
     """Of strength V times the volume."""
-    far = flow(jnp.array([[-60.5, 0.0, 0.0]]), "flat", half_span=2.0)[0, 0]
+    far = flow(jnp.array([[-59.5, 0.0, 0.0]]), "flat", half_span=2.0)[0, 0]
     volume = 0.675 * RATIO * 4.0
-    assert float(far) == pytest.approx(-volume / (2.0 * np.pi * 60.0**3), rel=0.06)
+    assert float(far) == pytest.approx(-volume / (2.0 * np.pi * 60.0**3), rel=0.01)
 
 
-def test_drag_in_a_slipstream_pays_for_the_thrust():
+@pytest.mark.parametrize(("mach", "nc", "within"), [(0.0, 8, 0.005), (0.0, 2, 0.02), (0.5, 8, 0.12)])
+def test_drag_in_a_slipstream_pays_for_the_thrust(mach, nc, within):
     """To first order the force on a body in the pressure of a disk is -sum(f . u_body) / V over the disk's forces f.
 
     Sources Q feel Q p / V, with p = f . r / (4 pi r^3) of each force; they induce Q r / (4 pi r^3) there.
     """
     v, radius, hub = 1e-4, 0.5, np.array([-0.5, 1.0, 0.0])
-    sections, grid = wing("flat", 2.0, ns=60)
+    sections, grid = wing("flat", 2.0, ns=60, nc=nc)
     panels = make_panels(sections, grid)
     growth = th.strip_growth(grid, sections.chord, RATIO * jnp.ones(2))
     xi = jnp.asarray(grid.xi)
     x = xi[:-1] + grid.front * jnp.diff(xi)
     y = panels.strip_edges[:, 1]
     y = (y[1:] + y[:-1]) / 2.0
-    points = jnp.stack([jnp.repeat(x, 60), jnp.tile(y, 8), jnp.zeros(480)], axis=-1)
+    points = jnp.stack([jnp.repeat(x, 60), jnp.tile(y, nc), jnp.zeros(60 * nc)], axis=-1)
     r = radius * (jnp.arange(40) + 0.5) / 40
     place = {"hub": jnp.asarray(hub), "axis": jnp.array([1.0, 0.0, 0.0]), "radius": jnp.asarray(radius), "r": r}
     load = {"v_axial": v * jnp.ones(40), "v_swirl": jnp.zeros(40), "sense": jnp.ones(())}
-    how = {"speed": jnp.ones(()), "edge_width": 0.005 * jnp.ones(480)}
+    how = {"speed": jnp.ones(()), "edge_width": 0.005 * jnp.ones(60 * nc)}
     along = slipstream_velocity(points, **place, **load, **how)[:, 0]
-    drag = jnp.sum(th.buoyancy(th.on_panels(grid, growth), jnp.tile(panels.strip_width, 8), along))
+    drag = jnp.sum(th.buoyancy(th.on_panels(grid, growth), jnp.tile(panels.strip_width, nc), along, mach=mach))
     angle = 2 * np.pi * (np.arange(48) + 0.5) / 48
     disk = hub + np.stack(np.broadcast_arrays(0.0, r[:, None] * np.cos(angle), r[:, None] * np.sin(angle)), axis=-1)
     lines = th.source_lines(sections, grid, growth, panels.strip_width)
-    ahead = th.source_velocity(jnp.asarray(disk).reshape(-1, 3), lines, jnp.ones(()))[:, 0].reshape(40, 48)
+    ahead = th.source_velocity(jnp.asarray(disk).reshape(-1, 3), lines, jnp.sqrt(1.0 - mach**2))[:, 0].reshape(40, 48)
     gained = -4.0 * v * jnp.sum(ahead.mean(axis=1) * 2 * np.pi * r * radius / 40)
-    assert float(drag) == pytest.approx(float(gained), rel=0.04) and drag > 0.0
+    assert float(drag) == pytest.approx(float(gained), rel=within) and drag > 0.0
 
 
 def test_derivatives_are_exact():

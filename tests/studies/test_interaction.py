@@ -10,7 +10,7 @@ from hera_om.studies import interaction as study
 
 SPLIT = ("CX", "CZ", "Cm", "CY", "Cl", "Cn")
 NAMES = ("wing", "htail", "vtail", "fuselage", "rotors")
-STEP = 0.002  # deg
+STEP = 0.002  # deg; the coarse fin's side force curves so much with incidence that 0.005 shows it
 
 
 @pytest.fixture(scope="module")
