@@ -32,14 +32,14 @@ from hera_om.physics.lattice import MIRROR, Lattice, assemble, marked, prandtl_g
 from hera_om.physics.lattice_forces import pressure_cells
 from hera_om.physics.layout import FREE, PLANE, ROOTED, Layout, layout
 from hera_om.physics.rotor import RotorSolution
-from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, crossflow, mean_body_field
+from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, body_field, crossflow, mean_body_field
 from hera_om.physics.strips import met_strips, shed, strip_of_panels
 from hera_om.physics.thickness import THICKNESS, on_panels, source_lines, source_velocity, strip_growth
 
 SLIPSTREAM = 1.0
 """Share of the slipstream that reaches the surfaces; 0 leaves the rotors only their hub forces."""
 UPWASH = 1.0
-"""Share of the surfaces' induced velocity that reaches the disks."""
+"""Share of what surfaces and a slender fuselage induce that reaches the disks."""
 NEIGHBOURS = 1.0
 """Share of a rotor's slipstream that reaches other rotors."""
 FINITE_JET = 1.0
@@ -54,6 +54,7 @@ class SlenderInfluence(NamedTuple):
     body: Slender
     field: BodyField  # of the body at the collocation points
     upwash: Float[Array, "m n"]  # z velocity at `slender_body.axis_points` per unit circulation, mirrored flow
+    at_disks: BodyField  # of the body at the blade elements
 
 
 class Thickness(NamedTuple):
@@ -204,7 +205,8 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
         field = mean_body_field(slender.shape, *lattice.across)
         # Of crossflow in sideslip only fins feel the field, see docs/theory/sections_and_body.md.
         fin = jnp.asarray(marked(panels, model.kinds, PLANE))[:, None]
-        influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2])
+        at_body = body_field(slender.shape, disks.reshape(-1, 3))
+        influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2], at_body)
     cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
     shares = jnp.concatenate(
         [
@@ -470,14 +472,23 @@ def respond(
     return Response(answer, gamma, loads, wake_of(flat, plan, x), axis_upwash(at, x, wash.jets), wash.filaments)
 
 
+def _body_upwash(points: Float[Array, "m nr npsi 3"], at: Setting, x: Controls, side: float):
+    """Velocity over the flight speed that a slender fuselage adds at the blade elements of a half."""
+    assert at.system.slender is not None
+    field, (w, v) = at.system.slender.at_disks, crossflow(body_motion(x, at, side), points[..., 0].ravel())
+    return (w[:, None] * field.by_w + v[:, None] * field.by_v).reshape(points.shape)
+
+
 def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wash, *, plan: RotorPlan, phi) -> RotorSolution:
-    """Rotors in the free stream, the rotation, the upwash of the surfaces and what other slipstreams bring there."""
+    """Rotors in the free stream, the rotation, the flow of surfaces and body, and what other slipstreams bring."""
     points = disk_points(rotors, plan)
     halves = sides(x)[: rotor_halves(plan, len(sides(x)) == 2)]
     stream = jnp.stack([onset(points, x, at, side) for side in halves])
     even, odd = at.system.disk_velocity
     if even is not None:
         stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
+    if at.system.slender is not None:
+        stream = stream + UPWASH * jnp.stack([_body_upwash(points, at, x, side) for side in halves])
     if at.system.thickness is not None:
         stream = stream + at.system.thickness.at_disks
     if wash is not None:

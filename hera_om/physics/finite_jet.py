@@ -89,11 +89,11 @@ def chord_shares(
 def trailing_images(
     place: Float[Array, " n"], nodes: Float[Array, "n t"], radius: Float[Array, " n"]
 ) -> Float[Array, "n t"]:
-    """Downwash along a wing by the image of a vortex in an edge less that by the vortex itself, for unit 2 pi V.
+    """Downwash along a wing by the image of a vortex in an edge less that by the vortex itself.
 
-    In planes across the jet the conditions at the edge are those of a dielectric cylinder. Its answer to a vortex at
-    y' is at y inside k times the flow of one at y', or at R^2 / y' if y' is inside; at y outside it is (R / y)^2 times
-    the answer at R^2 / y.
+    Times 2 pi, for unit circulation: 1/m. In planes across the jet the conditions at the edge are those of a
+    dielectric cylinder. Its answer to a vortex at y' is at y inside k times the flow of one at y', or at R^2 / y' if y'
+    is inside; at y outside it is (R / y)^2 times the answer at R^2 / y.
 
     Arguments:
         place: of the strips along the wing from the axis of the jet, m.
@@ -152,8 +152,8 @@ def jet_edges(
         JetEdges.
 
     Validity: outer radius over chord 0.35 to 2, mu 1 to 1.5: total added lift within 3 % in full jets, 5 % in such as
-    propellers blow and 8 % in hollow ones, within 15 % of its largest anywhere; one chord across the jet, wing near
-    the axis.
+    propellers blow and 8 % in hollow ones, within 15 % of its largest anywhere; within 5 % with aspect ratios 6 and
+    12, and with camber; one chord across the jet, wing near the axis.
     """
     square = jnp.sum(share * excess**2, axis=1)
     peak = jnp.sum(share * excess**3, axis=1) / (square + LEAST_EXCESS)
@@ -164,7 +164,8 @@ def jet_edges(
     bound = (1.0 + peak) / (2.0 + peak) * jnp.sum(steps * each, axis=1)
     trailing = jnp.sum(steps / _beyond(distance[:, None] / radius), axis=1) / (2.0 + peak)
     relieved = relief * (1.0 - CENTRE * _bubble(distance / radius[:, -1]))
-    return JetEdges(bound, trailing, trailing[:, None] * images / (4.0 * jnp.pi), relieved)
+    half_lines = images / (4.0 * jnp.pi)  # what trails begins at the wing: half of the plane flow
+    return JetEdges(bound, trailing, trailing[:, None] * half_lines, relieved)
 
 
 def _bubble(eta: Float[Array, " n"]) -> Float[Array, " n"]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hera_om.physics import coupling
-from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, StripPolar, Surface
+from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, StripPolar, Surface
 from hera_om.physics.coupling import (
     Controls,
     Setting,
@@ -21,6 +21,7 @@ from hera_om.physics.coupling import (
 )
 from hera_om.physics.disks import Wake, blades, disk_points, rotor_loads, shaft_axes, slipstreams
 from hera_om.physics.equilibrium import as_vector, carried, find_root, linearised, settle
+from hera_om.physics.fuselage import Fuselage
 from hera_om.physics.geometry import Sections, make_grid
 from hera_om.physics.layout import ROOTED
 from hera_om.physics.rotor import sense_sign
@@ -148,6 +149,32 @@ def test_upwash_of_the_wing_loads_the_disk(at, root, monkeypatch):
     without = jax.jit(lambda f, x, a: respond(f, x, a, PLAN))(root.flat, state(), at).loads
     up = np.asarray(shaft_axes(jnp.array([0.1])))[0, 2]
     assert float(with_it.force[0, 0] @ up) > float(without.force[0, 0] @ up) + 100.0
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_upwash_of_a_slender_fuselage_at_the_disk(monkeypatch, side):
+    """Beside a round body of radius a: w a^2 (y^2 - z^2) / r^4 upwards and -2 w a^2 y z / r^4 outwards, w = alpha;
+    the same turned with sideslip (doublet of a cylinder in crossflow).
+    """
+    shape, alpha, beta = Fuselage(30.0, 2.0, 2.0, 3.0, 6.0), 0.06, 0.02
+    body = Slender(shape, (jnp.asarray(8.0), jnp.asarray(10.4)), jnp.asarray(28.0))
+    one = rotor(incidence=0.0)._replace(hub=jnp.array([[12.0, 3.0, 0.2]]))
+    system = make_system(surfaces(), one, PLAN, flow().mach, MODEL, body)
+    at = Setting(system, one, flow(), 2.2, 16.0)
+    x = state(alpha)._replace(lateral=jnp.array([beta, 0.0, 0.0]))
+    points = disk_points(one, PLAN)
+    y, z = np.asarray(points[..., 1]), np.asarray(points[..., 2])
+    w, v, r4 = alpha, -side * beta, (y**2 + z**2) ** 2
+    along, across = (y**2 - z**2) / r4, 2.0 * y * z / r4
+    expected = np.stack([0.0 * y, -w * across - v * along, w * along - v * across], axis=-1)
+    np.testing.assert_allclose(coupling._body_upwash(points, at, x, side), expected, atol=1e-15)
+    seen = []
+    monkeypatch.setattr(coupling, "rotor_loads", lambda *args, **how: seen.append(args[2]) or rotor_loads(*args, **how))
+    plain = at._replace(system=system._replace(slender=None))
+    for setting_ in (at, plain):
+        coupling._disk_loads(one, setting_, state(alpha), jnp.zeros((1, 6)), None, plan=PLAN, phi=None)
+    mirrored = np.stack([0.0 * y, -w * across, w * along], axis=-1)
+    np.testing.assert_allclose(seen[0] - seen[1], flow().speed * mirrored[None], atol=1e-10)
 
 
 def test_the_slipstream_of_the_root_blows_the_wing(at, root):
