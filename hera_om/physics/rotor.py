@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Array, Float
@@ -15,7 +14,7 @@ from hera_om.physics.rotor_blade import blade_elements as blade_elements
 from hera_om.physics.rotor_blade import element_points as element_points
 from hera_om.physics.rotor_blade import sense_sign as sense_sign
 from hera_om.physics.rotor_momentum import mass_flow, prandtl_loss
-from hera_om.physics.rotor_root import bracketed_root
+from hera_om.physics.rotor_root import guessed_root, safe
 from hera_om.physics.section_polar import ScalarLike
 from hera_om.physics.stall_delay import delayed
 
@@ -24,8 +23,6 @@ Column = Float[Array, "nr 1"]
 
 LEAST_SPEED = 1e-6
 """Local speed in m/s under which an element counts as being in still air."""
-LEAST_SLOPE = 1e-8
-"""Slope of the residual under which the implicit derivative is held back."""
 
 
 class RotorSolution(NamedTuple):
@@ -124,25 +121,21 @@ def _mismatch(load: _Loading, elements: _Elements) -> Field:
 def _inflow_angle(elements: _Elements, losses: tuple[bool, bool], known: Field | None) -> Field:
     """Inflow angle of every element, with implicit derivatives of any order.
 
-    The root is found without derivatives and polished by two Newton steps, unless it is ``known``.
+    The root is found without derivatives, unless it is ``known``.
     """
 
     def mismatch(phi: Field) -> Field:
         return _mismatch(_loading(phi, elements, losses), elements)
 
-    def polished(function, start: Field) -> Field:
-        if known is not None:
-            return start
-        root = bracketed_root(function, start, 0.5 * jnp.pi, guess)
-        slope = jax.jvp(function, (root,), (jnp.ones_like(root),))[1]
-        return lax.fori_loop(0, 2, lambda _, phi: phi - function(phi) / _safe(slope), root)
+    def solved(function, start: Field) -> Field:
+        return start if known is not None else guessed_root(function, start, 0.5 * jnp.pi, guess)
 
     def divide(linear, right: Field) -> Field:
-        return right / _safe(linear(jnp.ones_like(right)))
+        return right / safe(linear(jnp.ones_like(right)))
 
     start = lax.stop_gradient(elements.flow_angle if known is None else known)
     guess = lax.stop_gradient(_linear_inflow_angle(elements))
-    return lax.custom_root(mismatch, start, polished, divide)
+    return lax.custom_root(mismatch, start, solved, divide)
 
 
 def _linear_inflow_angle(elements: _Elements) -> Field:
@@ -151,10 +144,6 @@ def _linear_inflow_angle(elements: _Elements) -> Field:
     share = 0.25 * elements.solidity * slope
     half = 0.5 * (elements.flow_angle - share)
     return half + jnp.sqrt(jnp.maximum(half**2 + share * (elements.theta - alpha0), 0.0))
-
-
-def _safe(slope: Field) -> Field:
-    return jnp.where(jnp.abs(slope) > LEAST_SLOPE, slope, LEAST_SLOPE)
 
 
 def _resultant_speed(load: _Loading, solidity: Column, axial: Field, tangential: Field) -> Field:
