@@ -26,7 +26,7 @@ class Rotor(Part):
     z_m: float | None = number("hub height, instead of the position by the wing", "m", None)
     diameter_m: float = number("diameter", "m", gt=0)
     nacelle_diameter_m: float = number(
-        "diameter of a nacelle behind it, around which the slipstream flows", "m", 0.0, ge=0
+        "diameter of a nacelle behind it, which slows the disk and around which the slipstream flows", "m", 0.0, ge=0
     )
     blades: int = number("number of blades", ge=2, le=20)
     rpm: float = number("speed of rotation, revolutions a minute", "rpm", gt=0)

@@ -1,5 +1,6 @@
 """Rotors of an aircraft as a set: their disks in the flow, their loads, their slipstreams at any point."""
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -9,7 +10,8 @@ from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
 from hera_om.physics.finite_jet import JetEdges, jet_edges, trailing_images
-from hera_om.physics.lattice import MIRROR
+from hera_om.physics.lattice import MIRROR, prandtl_glauert
+from hera_om.physics.nacelle import held_up
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
     AXIS_CORE,
@@ -102,23 +104,29 @@ def rotor_loads(
     pitch without torque (feathered), all in the stream that it is in.
 
     ``found``, the answer to the same values found before, saves the search for it. The results have the leading
-    axes [h, m] of the streams.
+    axes [h, m] of the streams; forces hold what the nacelle pays for the thrust that it brings, the thrust does not.
     """
     halves, m = velocity.shape[:2]
     axes = jnp.tile(shaft_axes(rotors.incidence), (halves, 1, 1))
     local = jnp.einsum("mij,mrpj->mrpi", axes, velocity.reshape(halves * m, *velocity.shape[2:]))
+    own = blades(rotors, plan)
+    behind = jax.vmap(partial(held_up, beta=prandtl_glauert(flow.mach)))
+    slow = behind(own.r, hub_radius=rotors.hub_radius, nacelle_radius=rotors.nacelle_radius)
 
-    def one(blade, stream, angle, rotor, known):
+    def one(blade, stream, angle, rotor, slow, known):
         phi = None if known is None else known.phi
-        return solve_rotor(blade, stream, pitch=angle, omega=rotor.omega, phi=phi, **_case(rotor, plan, flow))
+        out = solve_rotor(blade, stream, pitch=angle, omega=rotor.omega, phi=phi, **_case(rotor, plan, flow))
+        drag = rotor.blades * jnp.sum(jnp.mean(out.blade_thrust, axis=1) * blade.dr * slow)
+        return out._replace(force=out.force.at[0].add(drag))
 
-    every = (blades(rotors, plan), pitch[jnp.asarray(plan.groups)], rotors)
-    blade, angle, rotor = jax.tree.map(lambda v: jnp.concatenate([v] * halves), every)
+    every = (own, pitch[jnp.asarray(plan.groups)], rotors, slow)
+    blade, angle, rotor, slow = jax.tree.map(lambda v: jnp.concatenate([v] * halves), every)
+    local = local.at[..., 0].multiply(1.0 - slow[:, :, None])
     known = None if found is None else Found(*[v.reshape(halves * m, *v.shape[2:]) for v in found])
     if plan.failed:
         angle, omega = _failed(blade, local, angle, rotor=rotor, known=known, plan=plan, flow=flow)
         rotor = rotor._replace(omega=omega)
-    out = jax.vmap(one)(blade, local, angle, rotor, known)
+    out = jax.vmap(one)(blade, local, angle, rotor, slow, known)
     force, moment = (jnp.einsum("mi,mij->mj", v, axes) for v in (out.force, out.moment))
     return jax.tree.map(lambda v: v.reshape(halves, m, *v.shape[1:]), out._replace(force=force, moment=moment))
 

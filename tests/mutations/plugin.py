@@ -270,6 +270,12 @@ MUTATIONS = {
         PHYSICS + "test_slipstream.py::test_a_nacelle_pushes_the_tube_outwards",
         wrap=True,
     ),
+    "nacelle_flow_off": Mutation(
+        "flow of a nacelle at its own disk",
+        ("nacelle:NACELLE",),
+        0.0,
+        PHYSICS + "test_rotor_measured.py::test_naca_propeller[25-0.7-0.007-0.007]",
+    ),
     "skew_off": Mutation("turn of slipstreams to the stream", ("slipstream:SKEW",), 0.0, TUNNEL + "test_model_II"),
     "senses_swapped": Mutation(
         "names of the senses of rotation",

@@ -24,6 +24,7 @@ from hera_om.physics.equilibrium import as_vector, carried, find_root, linearise
 from hera_om.physics.fuselage import Fuselage
 from hera_om.physics.geometry import Sections, make_grid
 from hera_om.physics.layout import ROOTED
+from hera_om.physics.nacelle import held_up
 from hera_om.physics.rotor import sense_sign
 from hera_om.physics.section_polar import SectionPolar
 
@@ -107,6 +108,24 @@ def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
     np.testing.assert_allclose(
         load.moment[0, 0] / load.torque[0, 0], axes[0], atol=1e-10
     )  # inboard-up turns negatively
+
+
+def test_a_nacelle_slows_its_own_disk_and_pays_for_it(check_derivatives):
+    """More thrust and torque in slower air; the force lacks the thrust of every annulus times the share held up."""
+    velocity = jnp.broadcast_to(90.0 * shaft_axes(jnp.array([0.1]))[0, 0], (1, 1, 4, 4, 3))
+
+    @jax.jit
+    def run(nacelle):
+        disk = rotor()._replace(nacelle_radius=nacelle)
+        return rotor_loads(disk, PLAN, velocity, pitch=jnp.array([PITCH]), flow=flow())
+
+    plain, load = run(jnp.array([0.0])), run(jnp.array([0.6]))
+    assert load.thrust > 1.01 * plain.thrust and load.torque > plain.torque
+    blade = jax.tree.map(lambda v: v[0], blades(rotor(), PLAN))
+    slow = held_up(blade.r, hub_radius=0.3, nacelle_radius=0.6, beta=np.sqrt(1.0 - 0.27**2))
+    annuli = 6.0 * jnp.mean(load.blade_thrust[0, 0], axis=1) * blade.dr
+    np.testing.assert_allclose(jnp.linalg.norm(load.force), jnp.sum(annuli * (1.0 - slow)), rtol=1e-12)
+    check_derivatives(lambda radius: run(radius).force[0, 0], np.array([0.6]))
 
 
 def test_the_mirrored_rotor_blows_the_mirrored_way():

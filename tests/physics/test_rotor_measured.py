@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from hera_om.physics import blade_polar as bp
 from hera_om.physics import polar_extension as pe
 from hera_om.physics import rotor as ro
+from hera_om.physics.nacelle import held_up
 from hera_om.physics.section_polar import SectionPolar
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -26,11 +27,17 @@ def read(name):
     return np.array([[float(value) for value in row] for row in rows[1:]])
 
 
-def solver(n, **fixed):
-    """Jitted CT and CP of a rotor with n elements in axial flow."""
+def axial(blade, speed, hub_radius, nacelle_radius):
+    """Axial flow at the blade elements before a nacelle."""
+    slow = held_up(blade.r, hub_radius=hub_radius, nacelle_radius=nacelle_radius)
+    return jnp.zeros((len(blade.r), NPSI, 3)).at[..., 0].set(speed * (1.0 - slow)[:, None])
+
+
+def solver(nacelle_radius=0.0, **fixed):
+    """Jitted CT and CP of a rotor in axial flow."""
 
     def run(blade, speed, omega, pitch):
-        velocity = jnp.zeros((n, NPSI, 3)).at[..., 0].set(speed)
+        velocity = axial(blade, speed, fixed["hub_radius"], nacelle_radius)
         found = ro.solve_rotor(blade, velocity, pitch=pitch, omega=omega, sense=-1.0, **fixed)
         return jnp.stack([found.CT, found.CP])
 
@@ -57,54 +64,38 @@ def test_ccblade_propeller_with_its_own_table():
         radius, 0.2 * radius, jnp.array(geometry[:, 0]), jnp.array(geometry[:, 1]),
         jnp.radians(geometry[:, 3] - 38.0), polar=table, n=40,
     )  # fmt: skip
-    run = solver(40, radius=radius, hub_radius=0.2 * radius, n_blades=6.0, density=1.225, sound_speed=340.0)
+    run = solver(radius=radius, hub_radius=0.2 * radius, n_blades=6.0, density=1.225, sound_speed=340.0)
     for J, CT, CP, _ in read("atr_like/bemt_propeller.csv"):
         found = run(blade, J * 20.0 * 3.93, 40.0 * np.pi, np.radians(38.0))
         np.testing.assert_allclose(found, [CT, CP], rtol=0.01)
 
 
-def naca_errors(angle, first, slower=0.0):
-    """Mean absolute errors of CT and CP of propeller 5868-9 from an advance ratio on; ``slower``: share of the stream
-    that the disk does not see.
-    """
+def naca_errors(angle, first, nacelle_radius):
+    """Mean absolute errors of CT and CP of propeller 5868-9 from an advance ratio on."""
     geometry = read("prop_naca5868_9_geometry.csv")
     radius = 5.0 * FOOT
     blade = ro.blade_elements(
         radius, 0.2 * radius, jnp.array(geometry[:, 0] / 5.0), jnp.array(geometry[:, 1] / 5.0),
         jnp.radians(geometry[:, 3]), polar=clark_y([0.0, 0.3, 0.5], radius / (0.614 * FOOT)), n=40,
     )  # fmt: skip
-    run = solver(40, radius=radius, hub_radius=0.2 * radius, n_blades=3.0, **SEA_LEVEL)
+    run = solver(nacelle_radius, radius=radius, hub_radius=0.2 * radius, n_blades=3.0, **SEA_LEVEL)
     rows = [row for row in read(f"prop_naca5868_9_beta{angle}.csv") if row[0] >= first]
-    inflow = FOOT * (1.0 - slower)
-    found = np.array([run(blade, inflow * row[5], row[4] * np.pi / 30.0, np.radians(angle)) for row in rows])
+    found = np.array([run(blade, FOOT * row[5], row[4] * np.pi / 30.0, np.radians(angle)) for row in rows])
     return np.mean(np.abs(found - np.array(rows)[:, 2:4]), axis=0)
 
 
-@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.010, 0.010), (35, 1.2, 0.010, 0.011)])
+@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.007, 0.007), (35, 1.2, 0.008, 0.009)])
 def test_naca_propeller(angle, first, bound_CT, bound_CP):
-    """NACA Report 658, propeller 5868-9, from its rated load to zero thrust.
+    """NACA Report 658, propeller 5868-9 before its nacelle, from its rated load to zero thrust.
 
-    Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge.
-    Errors: CT 0.0089 and CP 0.0095 at 25 degrees, 0.0077 and 0.0104 at 35: the last misses the aim of 0.010.
-    They hold in part by luck. With each radius its own thickness (camber in proportion) they are 0.012, 0.014,
-    0.009, 0.013, and with the angle as that of the flat face besides, as the drawings of the time have it, 0.008,
-    0.011, 0.015, 0.031: 35 degrees is then 0.6 degrees of pitch too strong.
+    Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge. The
+    nacelle of a liquid-cooled engine is 43 inches in diameter (NACA Report 594, not re-read). Errors of CT and CP are
+    0.0057 and 0.0047 at 25 degrees, 0.0075 and 0.0082 at 35; without the nacelle's flow 0.0089, 0.0095, 0.0077, 0.0104.
+    A part that grows over half or twice its diameter changes them by 0.001 at most.
     """
-    error_CT, error_CP = naca_errors(angle, first)
-    assert error_CT < bound_CT
-    assert error_CP < bound_CP
-
-
-@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.008, 0.008), (35, 1.2, 0.008, 0.009)])
-def test_naca_propeller_before_its_nacelle(angle, first, bound_CT, bound_CP):
-    """A run towards what lacks: an inflow 1 % slower (chosen), as a nacelle behind the disk makes it, lowers all four.
-
-    The errors are then 0.0072, 0.0070 and 0.0069, 0.0081. The propeller was measured before the nacelle of a
-    liquid-cooled engine, whose shape is not in the source, so that this stays a run and no model.
-    """
-    error_CT, error_CP = naca_errors(angle, first, slower=0.01)
-    assert error_CT < bound_CT
-    assert error_CP < bound_CP
+    errors = naca_errors(angle, first, 21.5 / 12.0 * FOOT)
+    assert errors[0] < bound_CT
+    assert errors[1] < bound_CP
 
 
 def friction_drag(reynolds, thickness):
@@ -117,7 +108,8 @@ def friction_drag(reynolds, thickness):
 
 
 def test_tud_propeller():
-    """TU Delft's four blades: slope of CT within 5 %, CP within 0.008 in the mean, largest error 0.015.
+    """TU Delft's four blades before their nacelle: slope of CT within 5 %, CP within 0.008 in the mean, largest error
+    0.015.
 
     The section is not given. Its lift slope is thin-aerofoil theory's, its drag that of a turbulent section of 12 %
     at the Reynolds number of 75 % radius, its zero-lift angle the one that gives no thrust at the measured J.
@@ -136,7 +128,7 @@ def test_tud_propeller():
             radius, 0.0175, jnp.array(geometry[:, 0]), jnp.array(geometry[:, 2]), twist, polar=polar, n=20
         )
 
-    run = solver(20, radius=radius, hub_radius=0.0175, n_blades=4.0, density=1.206, sound_speed=344.0)
+    run = solver(0.035, radius=radius, hub_radius=0.0175, n_blades=4.0, density=1.206, sound_speed=344.0)
 
     def at(alpha0, J, speed):
         return run(blade(alpha0), speed, 2.0 * np.pi * speed / (J * 2.0 * radius), pitch)
@@ -168,8 +160,9 @@ def zero_lift_angles():
 
 def test_tud_propeller_total_pressure():
     """Total pressure behind the propeller by radius, 2 rho omega r v_swirl, over the dynamic pressure of the stream:
-    within 0.13 from 0.5 to 0.92 of the radius with the angle of zero lift of the published sections by radius, with one
-    angle for all more than 0.15 off. Further in stands the nacelle's boundary layer.
+    within 0.10 from 0.5 to 0.92 of the radius with the angle of zero lift of the published sections by radius, with one
+    angle for all more than 0.12 off. Without the nacelle's flow these are 0.12 and 0.16. Further in stands its boundary
+    layer.
 
     Angles are thin-aerofoil theory's over that at 75 %, at which the measured thrust of nothing sets the level: the
     definitions of the wind-tunnel cases have their twist from the zero-lift lines.
@@ -186,15 +179,15 @@ def test_tud_propeller_total_pressure():
         polar = SectionPolar(2.0 * np.pi, np.radians(alpha0), friction_drag(1.36e5, 0.12), 0.3, 0.01, 1.3, 1.0)
         r, c = jnp.array(geometry[:, 0]), jnp.array(geometry[:, 2])
         blade = ro.blade_elements(radius, 0.0175, r, c, jnp.radians(twist), polar=polar, n=20)
-        stream = jnp.zeros((20, NPSI, 3)).at[..., 0].set(speed)
+        stream = axial(blade, speed, 0.0175, 0.035)
         how = {"radius": radius, "hub_radius": 0.0175, "n_blades": 4.0, "density": density, "sound_speed": 344.0}
         found = ro.solve_rotor(blade, stream, pitch=np.radians(23.9), omega=omega, sense=-1.0, **how)
         return blade.r / radius, 2.0 * omega * blade.r * found.v_swirl / (0.5 * speed**2)
 
     worst = {}
     for name, alpha0, twist in (
-        ("sections", -0.87, geometry[:, 1] - 23.9 - turned),
-        ("one", -1.03, geometry[:, 1] - 23.9),
+        ("sections", -0.50, geometry[:, 1] - 23.9 - turned),
+        ("one", -0.68, geometry[:, 1] - 23.9),
     ):
         errors = []
         for column, J in enumerate((0.9957, 0.8961, 0.7962, 0.6969)):
@@ -203,7 +196,7 @@ def test_tud_propeller_total_pressure():
             there = np.interp(r, contracted, measured[:, 1 + column] - 1.0)
             errors.append(np.abs(ours - there)[(r > 0.5) & (r < 0.92)])
         worst[name] = np.max(errors)
-    assert worst["sections"] < 0.13 < 0.15 < worst["one"]
+    assert worst["sections"] < 0.10 < 0.12 < worst["one"]
 
 
 EPEMA_RESIDUALS = {25: (-0.0249, 0.0259), 30: (-0.0271, 0.0300)}
@@ -225,7 +218,7 @@ def test_epema_propeller_residuals(angle):
         radius, 0.042, jnp.array(geometry[:, 0]), jnp.array(geometry[:, 1]), jnp.radians(geometry[:, 2] - at_75),
         polar=clark_y([0.0], 1.0 / 0.1526), n=20,
     )  # fmt: skip
-    run = solver(20, radius=radius, hub_radius=0.042, n_blades=6.0, **SEA_LEVEL)
+    run = solver(radius=radius, hub_radius=0.042, n_blades=6.0, **SEA_LEVEL)
     pitch = np.radians(angle + at_75 - at_70)
     found = [run(blade, 30.0, 2.0 * np.pi * 30.0 / (J * 0.406), pitch)[0] for J in measured[:, 0]]
     residual = np.array(found) - measured[:, 1]
