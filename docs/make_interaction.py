@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 from hera_om.aircraft import Aircraft, load_aircraft
@@ -362,18 +361,13 @@ def propeller(folder: Path) -> Path:
     assert spec is not None and spec.loader is not None
     test: Any = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(test)
-    geometry = test.read("prop_naca5868_9_geometry.csv")
-    radius, n = 5.0 * test.FOOT, 40
-    polar = test.clark_y([0.0, 0.3, 0.5], radius / (0.614 * test.FOOT))
-    tables = jnp.asarray(geometry[:, 0] / 5.0), jnp.asarray(geometry[:, 1] / 5.0), jnp.radians(geometry[:, 3])
-    blade = test.ro.blade_elements(radius, 0.2 * radius, *tables, polar=polar, n=n)
-    run = test.solver(n, radius=radius, hub_radius=0.2 * radius, n_blades=3.0, **test.SEA_LEVEL)
+    blade, run = test.naca_propeller(test.NACA_NACELLE)
     cases = []
     for angle in (25, 35):
         data = test.read(f"prop_naca5868_9_beta{angle}.csv")
         J = np.linspace(0.05, data[-1, 0], 45)
         rpm = np.interp(J, data[:, 0], data[:, 4])
-        speed = J * rpm / 60.0 * 2.0 * radius
+        speed = J * rpm / 60.0 * 2.0 * test.NACA_RADIUS
         found = np.array([run(blade, v, w * np.pi / 30.0, np.radians(angle)) for v, w in zip(speed, rpm, strict=True)])
         eta = np.where(found[:, 0] > 0.0, J * found[:, 0] / found[:, 1], np.nan)
         case = {"label": f"{angle}° at 75 % radius", "J": J, "CT": found[:, 0], "CP": found[:, 1], "eta": eta}

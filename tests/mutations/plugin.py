@@ -274,7 +274,7 @@ MUTATIONS = {
         "flow of a nacelle at its own disk",
         ("nacelle:NACELLE",),
         0.0,
-        PHYSICS + "test_rotor_measured.py::test_naca_propeller[25-0.7-0.007-0.007]",
+        PHYSICS + "test_rotor_measured.py::test_naca_propeller[25-0.7-0.006-0.006]",
     ),
     "skew_off": Mutation("turn of slipstreams to the stream", ("slipstream:SKEW",), 0.0, TUNNEL + "test_model_II"),
     "senses_swapped": Mutation(

@@ -27,19 +27,21 @@ def read(name):
     return np.array([[float(value) for value in row] for row in rows[1:]])
 
 
-def axial(blade, speed, hub_radius, nacelle_radius):
-    """Axial flow at the blade elements before a nacelle."""
+def before_nacelle(blade, speed, hub_radius, nacelle_radius):
+    """Axial flow at the blade elements, and the share of it that the nacelle holds up."""
     slow = held_up(blade.r, hub_radius=hub_radius, nacelle_radius=nacelle_radius)
-    return jnp.zeros((len(blade.r), NPSI, 3)).at[..., 0].set(speed * (1.0 - slow)[:, None])
+    return jnp.zeros((len(blade.r), NPSI, 3)).at[..., 0].set(speed * (1.0 - slow)[:, None]), slow
 
 
-def solver(nacelle_radius=0.0, **fixed):
-    """Jitted CT and CP of a rotor in axial flow."""
+def solver(nacelle_radius=0.0, net=False, **fixed):
+    """Jitted CT and CP of a rotor in axial flow; ``net`` of what the nacelle pays."""
 
     def run(blade, speed, omega, pitch):
-        velocity = axial(blade, speed, fixed["hub_radius"], nacelle_radius)
+        velocity, slow = before_nacelle(blade, speed, fixed["hub_radius"], nacelle_radius)
         found = ro.solve_rotor(blade, velocity, pitch=pitch, omega=omega, sense=-1.0, **fixed)
-        return jnp.stack([found.CT, found.CP])
+        annuli = fixed["n_blades"] * jnp.mean(found.blade_thrust, axis=1) * blade.dr
+        kept = 1.0 - net * jnp.sum(slow * annuli) / found.thrust
+        return jnp.stack([found.CT * kept, found.CP])
 
     return jax.jit(run)
 
@@ -70,30 +72,41 @@ def test_ccblade_propeller_with_its_own_table():
         np.testing.assert_allclose(found, [CT, CP], rtol=0.01)
 
 
+NACA_RADIUS, NACA_NACELLE = 5.0 * FOOT, 21.5 / 12.0 * FOOT
+
+
+def naca_propeller(nacelle_radius):
+    """Propeller 5868-9: its blade, and CT and CP by `solver`; NACA's thrust is net of drag added by the slipstream."""
+    geometry = read("prop_naca5868_9_geometry.csv")
+    hub = 0.2 * NACA_RADIUS
+    blade = ro.blade_elements(
+        NACA_RADIUS, hub, jnp.array(geometry[:, 0] / 5.0), jnp.array(geometry[:, 1] / 5.0), jnp.radians(geometry[:, 3]),
+        polar=clark_y([0.0, 0.3, 0.5], NACA_RADIUS / (0.614 * FOOT)), n=40,
+    )  # fmt: skip
+    return blade, solver(nacelle_radius, net=True, radius=NACA_RADIUS, hub_radius=hub, n_blades=3.0, **SEA_LEVEL)
+
+
 def naca_errors(angle, first, nacelle_radius):
     """Mean absolute errors of CT and CP of propeller 5868-9 from an advance ratio on."""
-    geometry = read("prop_naca5868_9_geometry.csv")
-    radius = 5.0 * FOOT
-    blade = ro.blade_elements(
-        radius, 0.2 * radius, jnp.array(geometry[:, 0] / 5.0), jnp.array(geometry[:, 1] / 5.0),
-        jnp.radians(geometry[:, 3]), polar=clark_y([0.0, 0.3, 0.5], radius / (0.614 * FOOT)), n=40,
-    )  # fmt: skip
-    run = solver(nacelle_radius, radius=radius, hub_radius=0.2 * radius, n_blades=3.0, **SEA_LEVEL)
+    blade, run = naca_propeller(nacelle_radius)
     rows = [row for row in read(f"prop_naca5868_9_beta{angle}.csv") if row[0] >= first]
     found = np.array([run(blade, FOOT * row[5], row[4] * np.pi / 30.0, np.radians(angle)) for row in rows])
     return np.mean(np.abs(found - np.array(rows)[:, 2:4]), axis=0)
 
 
-@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.007, 0.007), (35, 1.2, 0.008, 0.009)])
+@pytest.mark.parametrize(("angle", "first", "bound_CT", "bound_CP"), [(25, 0.7, 0.006, 0.006), (35, 1.2, 0.008, 0.009)])
 def test_naca_propeller(angle, first, bound_CT, bound_CP):
     """NACA Report 658, propeller 5868-9 before its nacelle, from its rated load to zero thrust.
 
     Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge. The
     nacelle of a liquid-cooled engine is 43 inches in diameter (NACA Report 594, not re-read). Errors of CT and CP are
-    0.0057 and 0.0047 at 25 degrees, 0.0075 and 0.0082 at 35; without the nacelle's flow 0.0089, 0.0095, 0.0077, 0.0104.
-    A part that grows over half or twice its diameter changes them by 0.001 at most.
+    0.0051 and 0.0047 at 25 degrees, 0.0067 and 0.0082 at 35; without the nacelle's flow 0.0089, 0.0095, 0.0077, 0.0104.
+    Growing over half or twice its diameter it changes them by 0.0015 at most. They hold in part by luck: before the
+    nacelle's flow was known, with each radius its own thickness (camber in proportion) they were 0.012, 0.014, 0.009,
+    0.013, and with the angle as that of the flat face besides, as the drawings of the time have it, 0.008, 0.011,
+    0.015, 0.031.
     """
-    errors = naca_errors(angle, first, 21.5 / 12.0 * FOOT)
+    errors = naca_errors(angle, first, NACA_NACELLE)
     assert errors[0] < bound_CT
     assert errors[1] < bound_CP
 
@@ -179,7 +192,7 @@ def test_tud_propeller_total_pressure():
         polar = SectionPolar(2.0 * np.pi, np.radians(alpha0), friction_drag(1.36e5, 0.12), 0.3, 0.01, 1.3, 1.0)
         r, c = jnp.array(geometry[:, 0]), jnp.array(geometry[:, 2])
         blade = ro.blade_elements(radius, 0.0175, r, c, jnp.radians(twist), polar=polar, n=20)
-        stream = axial(blade, speed, 0.0175, 0.035)
+        stream, _ = before_nacelle(blade, speed, 0.0175, 0.035)
         how = {"radius": radius, "hub_radius": 0.0175, "n_blades": 4.0, "density": density, "sound_speed": 344.0}
         found = ro.solve_rotor(blade, stream, pitch=np.radians(23.9), omega=omega, sense=-1.0, **how)
         return blade.r / radius, 2.0 * omega * blade.r * found.v_swirl / (0.5 * speed**2)
