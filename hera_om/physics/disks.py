@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
 from hera_om.physics.finite_jet import JetEdges, jet_edges, trailing_images
 from hera_om.physics.lattice import MIRROR, prandtl_glauert
-from hera_om.physics.nacelle import held_up
+from hera_om.physics.nacelle import held_up, nacelle_drag
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
     AXIS_CORE,
@@ -116,7 +116,9 @@ def rotor_loads(
     def one(blade, stream, angle, rotor, slow, known):
         phi = None if known is None else known.phi
         out = solve_rotor(blade, stream, pitch=angle, omega=rotor.omega, phi=phi, **_case(rotor, plan, flow))
-        drag = rotor.blades * jnp.sum(jnp.mean(out.blade_thrust, axis=1) * blade.dr * slow)
+        thrust = rotor.blades * jnp.mean(out.blade_thrust, axis=1) * blade.dr
+        speed = jnp.mean(stream[..., 0], axis=1) / (1.0 - slow)
+        drag = nacelle_drag(thrust, slow, speed=speed, v_axial=out.v_axial)
         return out._replace(force=out.force.at[0].add(drag))
 
     every = (own, pitch[jnp.asarray(plan.groups)], rotors, slow)

@@ -120,10 +120,11 @@ def _newton(f: Callable[[Array], Array], start: Values) -> _Newton:
 
 
 def guessed_root(f: Callable[[Array], Array], centre: Values, reach: float, guess: Values) -> Values:
-    """Roots of ``f`` within ``reach`` of ``centre``, to rounding, for all elements at once.
+    """Roots of ``f`` within ``reach`` of ``centre`` for all elements at once, to rounding where ``f`` is smooth.
 
     Newton's method from ``guess``. Where an element does not come to a root at which ``f`` rises, the bracketed search
-    finds one, and Newton's method polishes that. ``f`` as in ``bracketed_root``.
+    finds one, and Newton's method polishes that; where it cannot, what the search has found stands.
+    ``f`` as in ``bracketed_root``.
     """
 
     def attempt(state: tuple[Values, Array, Array]) -> tuple[Values, Array, Array]:

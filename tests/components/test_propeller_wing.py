@@ -122,8 +122,8 @@ def test_a_nacelle_hides_the_camber_of_model_II(reference):
         on, off = (balance(solved(at_speed(case, speed)), 0.0)[0] for speed in (rpm, 0.0))
         assert off == pytest.approx(0.2830, abs=1e-4)
         change[name] = on - off
-    assert change["hidden"] == pytest.approx(0.0397, rel=0.16)
-    assert change["through"] < 0.75 * 0.0397
+    assert change["hidden"] == pytest.approx(0.0397, rel=0.13)
+    assert change["through"] < 0.71 * 0.0397
 
 
 def hold(rows):
@@ -218,7 +218,7 @@ def _peaks(reference, aircraft, alpha, source):
 def test_prowim(reference):
     """Lift with propeller within 3 % (without: 9 %, a thick section), peaks at 0 and 4 deg within the 20 % asked.
 
-    What the propeller changes there is within 20 % at 0 deg and at the outboard peak; inboard at 4 deg it is 29 % too
+    What the propeller changes there is within 20 % at 0 deg and at the outboard peak; inboard at 4 deg it is 30 % too
     much. There the measured sections gain a third of what the balance of the same source gains, and ours stand between.
 
     The blade is not the one of the tunnel, whose geometry is not in the source.

@@ -110,22 +110,38 @@ def test_loads_of_a_tilted_rotor_are_those_of_an_upright_one_turned():
     )  # inboard-up turns negatively
 
 
+def before_a_nacelle(radius, speed=90.0, plan=PLAN):
+    """The rotor before a nacelle in a stream along its shaft; every half has its own speed."""
+    speeds = jnp.atleast_1d(jnp.asarray(speed))[:, None, None, None, None]
+    velocity = speeds * jnp.broadcast_to(shaft_axes(jnp.array([0.1]))[0, 0], (1, 1, 4, 4, 3))
+    disk = rotor()._replace(nacelle_radius=radius)
+    return rotor_loads(disk, plan, velocity, pitch=jnp.array([PITCH]), flow=flow())
+
+
 def test_a_nacelle_slows_its_own_disk_and_pays_for_it(check_derivatives):
-    """More thrust and torque in slower air; the force lacks the thrust of every annulus times the share held up."""
-    velocity = jnp.broadcast_to(90.0 * shaft_axes(jnp.array([0.1]))[0, 0], (1, 1, 4, 4, 3))
-
-    @jax.jit
-    def run(nacelle):
-        disk = rotor()._replace(nacelle_radius=nacelle)
-        return rotor_loads(disk, PLAN, velocity, pitch=jnp.array([PITCH]), flow=flow())
-
+    """More thrust and torque in slower air; the force lacks the drag of the nacelle. At rest it does neither."""
+    run = jax.jit(before_a_nacelle)
     plain, load = run(jnp.array([0.0])), run(jnp.array([0.6]))
     assert load.thrust > 1.01 * plain.thrust and load.torque > plain.torque
     blade = jax.tree.map(lambda v: v[0], blades(rotor(), PLAN))
     slow = held_up(blade.r, hub_radius=0.3, nacelle_radius=0.6, beta=np.sqrt(1.0 - 0.27**2))
-    annuli = 6.0 * jnp.mean(load.blade_thrust[0, 0], axis=1) * blade.dr
-    np.testing.assert_allclose(jnp.linalg.norm(load.force), jnp.sum(annuli * (1.0 - slow)), rtol=1e-12)
+    annuli, v = 6.0 * jnp.mean(load.blade_thrust[0, 0], axis=1) * blade.dr, load.v_axial[0, 0]
+    force = jnp.sum(annuli * (1.0 - slow * 90.0 / (90.0 + v)))
+    np.testing.assert_allclose(jnp.linalg.norm(load.force), force, rtol=1e-12)
     check_derivatives(lambda radius: run(radius).force[0, 0], np.array([0.6]))
+    still, bare = (run(jnp.array([r]), 0.0) for r in (0.6, 0.0))
+    np.testing.assert_allclose(still.force, bare.force, rtol=1e-12)
+
+
+def test_nacelles_of_two_halves_of_which_one_has_failed():
+    """Each half is as it is alone, in its own stream."""
+    radius = jnp.array([0.6])
+    both = before_a_nacelle(radius, [90.0, 80.0], PLAN._replace(failed=((1, 0, "stopped"),)))
+    runs = before_a_nacelle(radius, 90.0)
+    stopped = before_a_nacelle(radius, 80.0, PLAN._replace(failed=((0, 0, "stopped"),)))
+    for half, alone in enumerate((runs, stopped)):
+        np.testing.assert_allclose(both.force[half], alone.force[0], rtol=1e-9)
+    assert stopped.thrust[0, 0] < 0.0 < runs.thrust[0, 0]
 
 
 def test_the_mirrored_rotor_blows_the_mirrored_way():

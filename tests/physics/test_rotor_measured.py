@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 from hera_om.physics import blade_polar as bp
 from hera_om.physics import polar_extension as pe
 from hera_om.physics import rotor as ro
-from hera_om.physics.nacelle import held_up
+from hera_om.physics.nacelle import held_up, nacelle_drag
 from hera_om.physics.section_polar import SectionPolar
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -40,8 +40,8 @@ def solver(nacelle_radius=0.0, net=False, **fixed):
         velocity, slow = before_nacelle(blade, speed, fixed["hub_radius"], nacelle_radius)
         found = ro.solve_rotor(blade, velocity, pitch=pitch, omega=omega, sense=-1.0, **fixed)
         annuli = fixed["n_blades"] * jnp.mean(found.blade_thrust, axis=1) * blade.dr
-        kept = 1.0 - net * jnp.sum(slow * annuli) / found.thrust
-        return jnp.stack([found.CT * kept, found.CP])
+        drag = nacelle_drag(annuli, slow, speed=jnp.full_like(slow, speed), v_axial=found.v_axial)
+        return jnp.stack([found.CT * (1.0 - net * drag / found.thrust), found.CP])
 
     return jax.jit(run)
 
@@ -101,10 +101,10 @@ def test_naca_propeller(angle, first, bound_CT, bound_CP):
     Clark Y of 11.7 % at all radii; the blade angle is taken as that of the line from leading to trailing edge. The
     nacelle of a liquid-cooled engine is 43 inches in diameter (NACA Report 594, not re-read). Errors of CT and CP are
     0.0051 and 0.0047 at 25 degrees, 0.0067 and 0.0082 at 35; without the nacelle's flow 0.0089, 0.0095, 0.0077, 0.0104.
-    Growing over half or twice its diameter it changes them by 0.0015 at most. They hold in part by luck: before the
-    nacelle's flow was known, with each radius its own thickness (camber in proportion) they were 0.012, 0.014, 0.009,
-    0.013, and with the angle as that of the flat face besides, as the drawings of the time have it, 0.008, 0.011,
-    0.015, 0.031.
+    Growing over half or twice its diameter it changes them by 0.0015 at most, no hub or a spinner ahead by 0.003 (then
+    0.0112 is the largest). They hold in part by luck: before the nacelle's flow was known, with each radius its own
+    thickness (camber in proportion) they were 0.012, 0.014, 0.009, 0.013, and with the angle as that of the flat face
+    besides, as the drawings of the time have it, 0.008, 0.011, 0.015, 0.031.
     """
     errors = naca_errors(angle, first, NACA_NACELLE)
     assert errors[0] < bound_CT
@@ -125,7 +125,8 @@ def test_tud_propeller():
     0.015.
 
     The section is not given. Its lift slope is thin-aerofoil theory's, its drag that of a turbulent section of 12 %
-    at the Reynolds number of 75 % radius, its zero-lift angle the one that gives no thrust at the measured J.
+    at the Reynolds number of 75 % radius, its zero-lift angle the one that gives no thrust at the measured J. Thrust is
+    the blades'; net of what the nacelle pays, the slope is 4.2 % off and the mean of CP 0.0079.
     """
     geometry, measured = read("prop_tud_4blade_geometry.csv"), read("prop_tud_4blade_isolated_Re620k.csv")
     speed, J, coefficients = measured[:, 3], measured[:, 8], measured[:, 9:11]
