@@ -453,7 +453,7 @@ MUTATIONS = {
         "losses at tip and hub of the blade, against the wind tunnel",
         ("rotor:prandtl_loss",),
         _no_loss,
-        PHYSICS + "test_rotor_measured.py::test_naca_propeller[35-1.2-0.01-0.011]",
+        PHYSICS + "test_rotor_measured.py::test_naca_propeller[35-1.2-0.008-0.009]",
         True,
     ),
     "rotor_swirl_off": Mutation(
