@@ -15,6 +15,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from hera_om.physics.aero_cases import Flow, Model, RotorPlan, Rotors, Slender, Surface
+from hera_om.physics.blown_lattice import Blown, make_blown, solve_blown
 from hera_om.physics.controls import controlled_panels
 from hera_om.physics.disks import (
     Found,
@@ -28,12 +29,21 @@ from hera_om.physics.disks import (
 )
 from hera_om.physics.finite_jet import JetEdges, chord_shares
 from hera_om.physics.geometry import FLAT, Grid, Panels, surface_mesh
-from hera_om.physics.lattice import MIRROR, Lattice, assemble, marked, prandtl_glauert, solve, solve_halves
+from hera_om.physics.lattice import (
+    MIRROR,
+    Lattice,
+    assemble,
+    by_symmetry,
+    marked,
+    prandtl_glauert,
+    present,
+    solve,
+)
 from hera_om.physics.lattice_forces import pressure_cells
 from hera_om.physics.layout import FREE, PLANE, ROOTED, Layout, layout
 from hera_om.physics.rotor import RotorSolution
 from hera_om.physics.slender_body import BodyField, Crossflow, axis_points, body_field, crossflow, mean_body_field
-from hera_om.physics.strips import met_strips, shed, strip_of_panels
+from hera_om.physics.strips import met_strips
 from hera_om.physics.thickness import THICKNESS, on_panels, source_lines, source_velocity, strip_growth
 
 SLIPSTREAM = 1.0
@@ -74,7 +84,7 @@ class System(NamedTuple):
     panels: tuple[Panels, ...] = ()
     cells: tuple[Float[Array, "_ _ 3"], ...] = ()  # see `lattice_forces.pressure_cells`
     slender: SlenderInfluence | None = None
-    shares: Array | None = None  # [2 n] of each panel in its strip, see `finite_jet.chord_shares`
+    blown: Blown | None = None  # absent without rotors
     thickness: Thickness | None = None
     mirrored: Array | None = None  # 1 for every surface with an image, else 0
     wake_angle: Array | None = None  # of a wake along the stream, rad; absent: along x
@@ -130,7 +140,7 @@ class Jets(NamedTuple):
     """What slipstreams do at the collocation points of each half, one by one (axis k) or together."""
 
     velocity: Float[Array, "h *k n 3"]  # over the flight speed
-    edges: JetEdges  # at the strips, each "h *k s"; the images "h *k s u"
+    edges: tuple[JetEdges, ...]  # at the strips of each surface, each "h *k s *u"
 
 
 class Washes(NamedTuple):
@@ -208,17 +218,15 @@ def _straight_system(surfaces, rotors, plan, mach, model: Model, slender: Slende
         at_body = body_field(slender.shape, disks.reshape(-1, 3))
         influence = SlenderInfluence(slender, field._replace(by_v=fin * field.by_v), even[count:, 2], at_body)
     cells = tuple(pressure_cells(surface_mesh(s.sections, s.grid, model.shape), s.grid.rear) for s in surfaces)
-    shares = jnp.concatenate(
-        [
-            jnp.repeat(_chord_shares(s.grid), p.strip_chord.shape[0], axis=1)
-            for s, p in zip(surfaces, panels, strict=True)
-        ],
-        axis=1,
-    )
+    blown = None
+    if count:
+        pairs = zip(surfaces, panels, strict=True)
+        shares = [jnp.repeat(_chord_shares(s.grid), p.strip_chord.shape[0], axis=1) for s, p in pairs]
+        blown = make_blown(panels, lattice, jnp.concatenate(shares, axis=1))
     mirrored = jnp.asarray([float(kind in MIRRORED) for kind in model.kinds])
     thickness = _thickness(surfaces, panels, model.kinds, disks, jnp.asarray(mach, float)) if count else None
     by_disks = (at_disks[0], at_disks[1])
-    return System(lattice, by_disks, edges, tuple(panels), cells, influence, shares, thickness, mirrored)
+    return System(lattice, by_disks, edges, tuple(panels), cells, influence, blown, thickness, mirrored)
 
 
 def _chord_shares(grid: Grid) -> Float[Array, "2 nc"]:
@@ -307,64 +315,41 @@ def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Arr
     lattice, halves = at.system.lattice, sides(x)
     if lattice is None:
         return jnp.zeros((len(halves), 0))
-    plain, added = [], []
+    needed = []
     for i, side in enumerate(halves):
-        normal = normals(lattice, x.delta, side)
-        met, more = _met(at, x, jets, i, side)
+        met = _met(at, x, jets, i, side)
         if at.system.slender is not None:
+            normal = normals(lattice, x.delta, side)
             field, (w, v) = at.system.slender.field, crossflow(body_motion(x, at, side), lattice.collocation[:, 0])
             met = field.shield * met + jnp.sum((w[:, None] * field.by_w + v[:, None] * field.by_v) * normal, axis=-1)
-            more = field.shield * more
-        plain.append(-met)
-        added.append(-more)
-    return _strengths(at, jets, plain, added)
+        needed.append(-met)
+    return _strengths(at, jets, needed)
 
 
-def _strengths(at: Setting, jets: Jets | None, plain: list[Array], added: list[Array]) -> Float[Array, "h n"]:
-    """Rings that bring the normal velocities of each half: of the plain stream, and those that slipstreams add.
-
-    Edges of slipstreams answer to both, see `finite_jet.jet_edges`.
-    """
-    lattice, shares = at.system.lattice, at.system.shares
-    assert lattice is not None and shares is not None
-    found = _solved(lattice, plain)
-    if jets is None:
-        return found
-    strip, last = strip_of_panels(at.system.panels)
-    relief = FINITE_JET * jets.edges.relief[:, strip]
-    sweep = lattice.strip_width / jnp.linalg.norm(lattice.strip_edge, axis=1)  # cosine: of a swept wing in plane flow
-    plane = 1.0 / (jnp.pi * lattice.strip_chord)
-    bound, trailing = [], []
-    for i, (strength, other) in enumerate(zip(found, found[::-1], strict=True)):
-        sums = jnp.zeros((2, len(last))).at[:, strip].add(shares * jnp.stack([-plain[i], strength]))
-        downwash = sums[0] - plane * prandtl_glauert(at.flow.mach * sweep) / sweep * strength[last]
-        answer = jets.edges.trailing[i] * downwash
-        answer += jets.edges.images[i] @ shed(at.system.panels, strength[last], other[last])
-        trailing.append(FINITE_JET * answer[strip])
-        bound.append(FINITE_JET * (jets.edges.bound[i] * plane * prandtl_glauert(at.flow.mach) * sums[1])[strip])
-    found = found + _solved(lattice, trailing)
-    return found + (1.0 - relief) * _solved(lattice, [a + b for a, b in zip(added, bound, strict=True)])
+def _strengths(at: Setting, jets: Jets | None, needed: list[Array]) -> Float[Array, "h n"]:
+    """Rings that bring these normal velocities of each half, and what edges of slipstreams make of their lift."""
+    lattice, blown = at.system.lattice, at.system.blown
+    assert lattice is not None
+    halves = present(lattice, jnp.stack(needed))
+    if jets is None or blown is None:
+        return by_symmetry(lattice, solve, halves)
+    edges = jax.tree.map(lambda v: FINITE_JET * v, jets.edges)
+    return solve_blown(at.system.panels, lattice, blown, edges, halves)
 
 
-def _solved(lattice: Lattice, needed: list[Array]) -> Float[Array, "h n"]:
-    """Strengths of the rings without what edges of slipstreams do to them."""
-    return solve(lattice.even, needed[0])[None] if len(needed) == 1 else solve_halves(lattice, *needed)
+def _met(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> Array:
+    """Normal velocities that the panels of a half meet in the stream and in slipstreams, there times mu.
 
-
-def _met(at: Setting, x: Controls, jets: Jets | None, i: int, side: float) -> tuple[Array, Array]:
-    """Normal velocities that the panels of a half meet in the plain stream, and what slipstreams add to them.
-
-    But for the lattice's own and the body's; in a slipstream times mu, see `circulation`.
+    But for the lattice's own and the body's, see `circulation`.
     """
     lattice = at.system.lattice
     assert lattice is not None
     normal = normals(lattice, x.delta, side)
     met = jnp.sum(onset(lattice.collocation, x, at, side) * normal, axis=-1)
     if jets is None:
-        return met, jnp.zeros_like(met)
+        return met
     faster = jets.velocity[i] @ wind(x, side)
-    blown = jnp.sum(jets.velocity[i] * normal, axis=-1)
-    return met, faster * met + (1.0 + faster) * blown
+    return (1.0 + faster) * (met + jnp.sum(jets.velocity[i] * normal, axis=-1))
 
 
 def body_motion(x: Controls, at: Setting, side: float = 1.0) -> Crossflow:
@@ -378,8 +363,7 @@ def axis_upwash(at: Setting, x: Controls, jets: Jets | None = None) -> Array | N
     lattice, slender = at.system.lattice, at.system.slender
     if lattice is None or slender is None:
         return None
-    plain, added = zip(*[_met(at, x, jets, i, side) for i, side in enumerate(sides(x))], strict=True)
-    strengths = _strengths(at, jets, [-v for v in plain], [-v for v in added])
+    strengths = _strengths(at, jets, [-_met(at, x, jets, i, side) for i, side in enumerate(sides(x))])
     return slender.upwash @ both_parts(list(strengths))[0]
 
 
@@ -433,7 +417,7 @@ def washes(
         ends = jnp.concatenate([ends, jnp.stack([lattice.middles, lattice.arms])], axis=1)
     each = SLIPSTREAM * mean_slipstreams(at.rotors, plan, wake, *ends, winds=air)
     assert at.system.mirrored is not None
-    strips = met_strips(at.system.panels, lattice, at.system.mirrored)
+    strips = met_strips(at.system.panels, lattice, at.system.mirrored, at.flow.mach)
     edges = slipstream_edges(at.rotors, plan, wake, strips, winds=air)
     jets = Jets(each[:, :, :n], jax.tree.map(lambda v: SLIPSTREAM * v, edges))
     return Washes(jets, disks, each[:, :, n:] if filaments else None)
@@ -464,11 +448,11 @@ def respond(
     if plan is None or at.rotors is None:
         return Response(flat, circulation(at, x), None, None, axis_upwash(at, x))
     if wash is None:
-        loads = _disk_loads(at.rotors, at, x, None, None, plan=plan, phi=phi)
-        return Response(flat, circulation(at, x), loads, wake_behind(loads, at.rotors, at.flow))
+        loads, wake = _disk_loads(at.rotors, at, x, None, None, plan=plan, phi=phi)
+        return Response(flat, circulation(at, x), loads, wake)
     gamma = circulation(at, x, wash.jets)
-    loads = _disk_loads(at.rotors, at, x, gamma, wash.disks, plan=plan, phi=phi)
-    answer = jnp.concatenate(wake_behind(loads, at.rotors, at.flow), axis=-1).ravel()
+    loads, wake = _disk_loads(at.rotors, at, x, gamma, wash.disks, plan=plan, phi=phi)
+    answer = jnp.concatenate(wake, axis=-1).ravel()
     return Response(answer, gamma, loads, wake_of(flat, plan, x), axis_upwash(at, x, wash.jets), wash.filaments)
 
 
@@ -479,18 +463,22 @@ def _body_upwash(points: Float[Array, "m nr npsi 3"], at: Setting, x: Controls, 
     return (w[:, None] * field.by_w + v[:, None] * field.by_v).reshape(points.shape)
 
 
-def _disk_loads(rotors: Rotors, at: Setting, x: Controls, gamma, wash, *, plan: RotorPlan, phi) -> RotorSolution:
+def _disk_loads(
+    rotors: Rotors, at: Setting, x: Controls, gamma, wash, *, plan: RotorPlan, phi
+) -> tuple[RotorSolution, Wake]:
     """Rotors in the free stream, the rotation, the flow of surfaces and body, and what other slipstreams bring."""
     points = disk_points(rotors, plan)
     halves = sides(x)[: rotor_halves(plan, len(sides(x)) == 2)]
     stream = jnp.stack([onset(points, x, at, side) for side in halves])
+    added = jnp.zeros_like(stream)
     even, odd = at.system.disk_velocity
     if even is not None:
-        stream = stream + UPWASH * induced(even, odd, gamma)[: len(halves)]
+        added += UPWASH * induced(even, odd, gamma)[: len(halves)]
     if at.system.slender is not None:
-        stream = stream + UPWASH * jnp.stack([_body_upwash(points, at, x, side) for side in halves])
+        added += UPWASH * jnp.stack([_body_upwash(points, at, x, side) for side in halves])
     if at.system.thickness is not None:
-        stream = stream + at.system.thickness.at_disks
+        added += at.system.thickness.at_disks
     if wash is not None:
-        stream = stream + wash[: len(halves)]
-    return rotor_loads(rotors, plan, at.flow.speed * stream, pitch=x.theta, flow=at.flow, found=phi)
+        added += wash[: len(halves)]
+    loads = rotor_loads(rotors, plan, at.flow.speed * (stream + added), pitch=x.theta, flow=at.flow, found=phi)
+    return loads, wake_behind(loads, rotors, plan, at.flow, added)

@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float
 
 from hera_om.physics.aero_cases import FAILURES, Flow, RotorPlan, Rotors
-from hera_om.physics.finite_jet import JetEdges, jet_edges, trailing_images
+from hera_om.physics.finite_jet import JetEdges, jet_edges
 from hera_om.physics.lattice import MIRROR, prandtl_glauert
 from hera_om.physics.nacelle import held_up, nacelle_drag
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
-    AXIS_CORE,
     axial_development,
     contraction,
     disk_mean,
@@ -35,8 +35,10 @@ SMEARED = 0.8
 """Least width of that edge over the width of a strip: twice the distance of the points where a strip samples it."""
 TINY = 1e-12
 """Keeps the length of a segment along the stream differentiable, m."""
-NEARBY = 0.25
-"""Square of the distance over the radius within which a slipstream's share of the relief is nearly one (choice)."""
+INFLOW_TURN = 1.0
+"""Share of the turn of slipstreams by what other parts do at the disk; 0 leaves that of the stream."""
+STEPS = 4
+"""Steps of the profile of a slipstream as its edges answer (choice)."""
 GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
 GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
@@ -60,11 +62,29 @@ class Wake(NamedTuple):
     side: Float[Array, "h m 2"]  # force on the air in the plane of the disk over rho A V^2, shaft axes y and z
 
 
-def wake_behind(loads: RotorSolution, rotors: Rotors, flow: Flow) -> Wake:
-    """What rotors with such loads (forces in geometry axes) leave behind."""
-    force = jnp.einsum("hmi,mji->hmj", loads.force, shaft_axes(rotors.incidence)[:, 1:])
+def wake_behind(
+    loads: RotorSolution, rotors: Rotors, plan: RotorPlan, flow: Flow, turned: Float[Array, "h m nr npsi 3"]
+) -> Wake:
+    """What rotors with such loads (forces in geometry axes) leave behind.
+
+    What surfaces and others do at a disk (``turned``, velocity over the flight speed) gives the air a slope there that
+    the thrust, along the shaft, takes part of away: w across the shaft acts as a force rho A (V + v) (V / V_j)
+    (V_j - V) w does. The potential is continuous through the disk, so that behind it V_j phi inside less V phi outside
+    of the tube is (V_j - V) times that at the disk; the stream's own part is `slipstream.crossflow`.
+    """
+    axes = shaft_axes(rotors.incidence)
+    force = jnp.einsum("hmi,mji->hmj", loads.force, axes[:, 1:])
     pressure = flow.density * flow.speed**2 * jnp.pi * rotors.radius[:, None] ** 2
-    return Wake(loads.v_axial / flow.speed, loads.v_swirl / flow.speed, -force / pressure)
+    axial = loads.v_axial / flow.speed
+    r = blades(rotors, plan).r
+    weight = r / jnp.sum(r, axis=1, keepdims=True)
+    slope = INFLOW_TURN * jnp.einsum("mr,hmrpi,mji->hmj", weight / plan.azimuthal, turned, axes[:, 1:])
+    v_mean = jax.vmap(jax.vmap(disk_mean), in_axes=(None, 0, None))(r, axial, rotors.radius)[..., None]
+    return Wake(
+        axial,
+        loads.v_swirl / flow.speed,
+        2.0 * v_mean * (1.0 + v_mean) / (1.0 + 2.0 * v_mean) * slope - force / pressure,
+    )
 
 
 def shaft_axes(incidence: Float[Array, " m"]) -> Float[Array, "m 3 3"]:
@@ -303,42 +323,81 @@ def at_other_disks(
 
 
 def slipstream_edges(
-    rotors: Rotors, plan: RotorPlan, wake: Wake, strips: Strips, *, winds: Float[Array, "h 3"]
-) -> JetEdges:
-    """What the edges of each slipstream do to the strips of each half, axes [h k n].
+    rotors: Rotors, plan: RotorPlan, wake: Wake, strips: tuple[Strips, ...], *, winds: Float[Array, "h 3"]
+) -> tuple[JetEdges, ...]:
+    """What the edges of each slipstream do to the strips of each surface, axes [h k n].
 
-    Of slipstreams side by side each relieves the lift near itself: shares by the fourth power of the distance. Images,
-    of the strip's own surface, are those in the outermost edge of a surface that passes through the axis; they fade
-    where it passes the slipstream by.
+    Annuli are taken together by `STEPS`; what is inside the hub or the nacelle is as the stream.
     """
+    groups = np.array_split(np.arange(plan.radial), min(STEPS, plan.radial))
+    last = np.array([g[-1] for g in groups])
+    member = np.stack([np.isin(np.arange(plan.radial), g) for g in groups]).astype(float)
 
-    def one(at, along, chord, nodes, own, slip):
-        axis = slip.axes[0]
-        speed = axis @ slip.wind
-        v_mean = disk_mean(slip.r, slip.axial, slip.radius)
-        offset = at - slip.hub
-        x = offset @ axis
-        across = offset - x[:, None] * (axis + skew(slip.wind - speed * axis, v_mean, speed))
-        distance = jnp.sqrt(jnp.sum(across**2, axis=1) + (AXIS_CORE * slip.radius) ** 2)
-        grown = axial_development(x, slip.radius)
+    def one(point, along, chord, nodes, slip):
+        area = member * slip.r
         half = 0.5 * (slip.r[1] - slip.r[0])
-        narrowing = contraction(grown, loading(v_mean, speed))[:, None] * jnp.append(slip.r - half, slip.r[-1] + half)
-        steps = jnp.sqrt(narrowing**2 + displacement(grown, slip.displaced)[:, None])
-        place = jnp.sum(across * along, axis=1)
-        through = jnp.exp(-(((distance**2 - place**2) / steps[:, -1] ** 2) ** 2))
-        edges = jet_edges(
-            distance,
-            chord,
-            images=through[:, None] * own * trailing_images(place, nodes, steps[:, -1]),
-            radius=steps,
-            excess=(1.0 + (1.0 + grown)[:, None] * slip.axial) ** 2 - 1.0,
-            share=4.0 * half * slip.r / slip.radius**2,
-        )
-        beside = jnp.sum((offset - x[:, None] * axis) ** 2, axis=1) / slip.radius**2
-        return edges, (NEARBY + beside) ** -2
+        jet = _Jet((area @ slip.axial) / jnp.sum(area, axis=1), disk_mean(slip.r, slip.axial, slip.radius), slip.wind)
+        ends = jnp.append(slip.r[0] - half, slip.r[last] + half)
+        place = _Met(point, along, chord, nodes, slip.hub, slip.axes[0], slip.radius, ends, slip.displaced)
+        return _edges(jet, place)
 
-    mirror = jnp.asarray(MIRROR)
-    image = strips._replace(point=strips.point * mirror, along=strips.along * mirror)
-    seen = _seen(one, rotors, plan, wake, tuple(strips), tuple(image), winds=winds)
-    edges, near = jax.tree.map(lambda own, other: _by_halves(plan, own, other, len(winds)), *seen)
-    return edges._replace(relief=edges.relief * near / jnp.sum(near, axis=1, keepdims=True))
+    def of(each):
+        point, along = each.point * jnp.asarray(MIRROR), each.along * jnp.asarray(MIRROR)
+        both = (each.point, each.along, each.chord, each.nodes), (point, along, each.chord, each.nodes)
+        seen = _seen(one, rotors, plan, wake, *both, winds=winds)
+        edges = jax.tree.map(lambda own, other: _by_halves(plan, own, other, len(winds)), *seen)
+        return edges._replace(shed=each.there * edges.shed, moment=each.there * edges.moment)
+
+    return tuple(of(each) for each in strips)
+
+
+class _Met(NamedTuple):
+    """Strips and the geometry of the rotor whose slipstream they meet."""
+
+    point: Array
+    along: Array
+    chord: Array
+    nodes: Array
+    hub: Array
+    axis: Array
+    radius: Array
+    ends: Array  # of the steps of the profile at the disk, m
+    displaced: Array
+
+
+class _Jet(NamedTuple):
+    """What the edges of a slipstream depend on but for geometry: few numbers, by which `_edges` has its slopes."""
+
+    axial: Float[Array, " s"]
+    v_mean: Float[Array, ""]
+    wind: Float[Array, " 3"]
+
+
+@jax.custom_jvp
+def _edges(jet: _Jet, met: _Met) -> JetEdges:
+    """Edges of one slipstream at strips."""
+    speed = met.axis @ jet.wind
+    offset = met.point - met.hub
+    x = offset @ met.axis
+    across = offset - x[:, None] * (met.axis + skew(jet.wind - speed * met.axis, jet.v_mean, speed))
+    grown = axial_development(x, met.radius)
+    narrowing = contraction(grown, loading(jet.v_mean, speed))[:, None] * met.ends
+    return jet_edges(
+        jnp.sum(across * met.along, axis=1),
+        jnp.sum(across * jnp.cross(met.axis, met.along), axis=1),
+        met.nodes,
+        met.chord,
+        radius=jnp.sqrt(narrowing**2 + displacement(grown, met.displaced)[:, None]),
+        excess=jnp.pad((1.0 + (1.0 + grown)[:, None] * jet.axial) ** 2 - 1.0, ((0, 0), (1, 0))),
+    )
+
+
+@_edges.defjvp
+def _edges_jvp(primals, tangents):
+    """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them."""
+    (jet, met), (d_jet, d_met) = primals, tangents
+    found, moved = jax.jvp(lambda m: _edges.fun(jet, m), (met,), (d_met,))
+    numbers, unpack = ravel_pytree(jet)
+    slopes = jax.jacfwd(lambda v: _edges.fun(unpack(v), met))(numbers)
+    change = ravel_pytree(d_jet)[0]
+    return found, jax.tree.map(lambda m, s: m + s @ change, moved, slopes)

@@ -11,24 +11,30 @@ ANSWER_WIDTH = (0.110, 0.162)
 ANSWER_POWERS = (0.451, 0.542)
 ANSWER_SIZE = (0.556, 3.385, 0.0843, 10.0, 0.185)
 """Fits to the integral of `edge_answer`: 7 % of its value on the axis, 1 % of its integral along the span."""
-MIDDLE = 0.6
-"""Answer to lift about the middle of the chord, as of camber, over that to lift about the quarter point: 0.64 to 0.53
-for R / c from 0.35 to 1 by the same integral, a half for high jets."""
-CENTRE = 0.69
-"""Share of the relief that is not there near the axis; with `_bubble` within 3 % of boundary elements in full jets."""
-BUBBLE_ROUNDING = 0.1
-"""Rounds `_bubble` off at the edge of the jet (choice)."""
-LEAST_EXCESS = 1e-18
-"""Keeps the weighted mean of an excess of pressure that is zero everywhere defined."""
+BOUND_CENTRE = 0.6
+"""Place along the wing whose bound vortices count most for another, over the distance of that from the axis."""
+BOUND_MIDDLE = (0.53, 7.0)
+"""Least answer to bound vortices about the middle of the chord over that about the quarter point, and how soon."""
+BOUND_INTERPLAY = 0.5
+"""Share of `_interplay` in the answer to bound vortices, whose flow is not one of planes across the jet (choice: with
+none of it boundary elements in jets as propellers blow add 4 % more lift, with all 4 % less)."""
+LEG_REACH = (1.7, 0.2)
+LEG_SHARE = 0.5
+"""Fits to how far behind the lift an edge has its whole answer to what trails, and to its mean over a plate."""
+LEG_MIDDLE = 30.0
+"""Fit to how much less that is for lift about the middle of the chord: from 2 / 3 to 1 / 2."""
+LEAST_REACH = 1e-12
+"""Keeps that reach differentiable."""
+EDGE_ROUNDING = 0.01
+"""Rounds off, in squares of the radius, what is inside and outside of an edge: by a quarter percent of it (choice)."""
 
 
 class JetEdges(NamedTuple):
-    """What the edges of a jet do to a wing, see `jet_edges`."""
+    """Downwash that the edges of a jet answer with, by strip, see `jet_edges`."""
 
-    bound: Float[Array, " n"]  # of the normal velocity that the bound vortices make in the plain stream, taken back
-    trailing: Float[Array, " n"]  # the same of the downwash of all that trails
-    images: Float[Array, "n t"]  # velocity taken back by the lift that ends at every node of the strips, 1/m
-    relief: Float[Array, " n"]  # of the lift that the jet adds, not there
+    shed: Float[Array, "n u"]  # to a unit vortex that leaves the wing at a node, 1/m
+    moment: Float[Array, "n u"]  # the same to the moment of the lift about the quarter point, see `chord_shares`
+    others: Float[Array, " n"]  # to a unit downwash of all other surfaces
 
 
 def reflection(velocity_ratio: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
@@ -43,7 +49,7 @@ def reflection(velocity_ratio: Float[Array, "..."] | ScalarLike) -> Float[Array,
     return (square - 1.0) / (square + 1.0)
 
 
-def edge_answer(eta: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
+def edge_answer(eta2: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
     """Downwash of a round edge of strength one, over the normal velocity that a wing of infinite span meets.
 
     The wing's flow is plane; the edge answers with sources -2 k times the normal velocity of it, whose upwash, weighted
@@ -54,14 +60,14 @@ def edge_answer(eta: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLi
         A = a_1 asinh(a_2 rho) / (rho sqrt(rho^2 + a_3) (1 + a_4 rho^a_5)) .
 
     Arguments:
-        eta: distance from the axis over the radius of the edge.
+        eta2: square of the distance from the axis over the radius of the edge.
         radius: rho, of the edge over the chord, 0.15 to 6; broadcasts.
 
     Returns:
         S, positive.
     """
     (b_1, b_2), (p, q), (a_1, a_2, a_3, a_4, a_5) = ANSWER_WIDTH, ANSWER_POWERS, ANSWER_SIZE
-    rho2, eta2 = jnp.asarray(radius) ** 2, eta**2
+    rho2 = jnp.asarray(radius) ** 2
     shape = ((1.0 - eta2) ** 2 + b_1 / (rho2 + b_2) * eta2) ** -p * (1.0 + q * eta2) ** (2.0 * p - 1.5)
     size = a_1 * jnp.arcsinh(a_2 * radius) / (radius * jnp.sqrt(rho2 + a_3) * (1.0 + a_4 * radius**a_5))
     return size * shape
@@ -70,10 +76,10 @@ def edge_answer(eta: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLi
 def chord_shares(
     xi: Float[Array, " nc1"], front: Float[Array, " nc"], rear: Float[Array, " nc"]
 ) -> Float[Array, "2 nc"]:
-    """Weights of the panels of a strip: of normal velocities in the circulation, of rings in the answer of edges.
+    """Weights of the panels of a strip: of normal velocities in the circulation, of rings in the moment of the lift.
 
-    In plane flow the first give circulation over pi and the chord. The second give what edges answer to, of a plate
-    its circulation; lift about the middle of the chord, as of camber, is answered `MIDDLE` times as much.
+    In plane flow the first give circulation over pi and the chord. The second give the moment of the lift about the
+    quarter point over a quarter of the chord: 0 of a plate, the circulation of lift about the middle of the chord.
 
     Arguments:
         xi: chord fractions of the panels' edges.
@@ -82,93 +88,143 @@ def chord_shares(
     """
     bound, met = (xi[:-1] + part * jnp.diff(xi) for part in (front, rear))
     plane = 1.0 / (2.0 * jnp.pi * (met[:, None] - bound))
-    weight = 1.0 - (1.0 - MIDDLE) * (bound - 0.25) / 0.25
-    return jnp.stack([jnp.linalg.solve(plane.T, jnp.ones_like(met)) / jnp.pi, weight - jnp.append(weight[1:], 0.0)])
-
-
-def trailing_images(
-    place: Float[Array, " n"], nodes: Float[Array, "n t"], radius: Float[Array, " n"]
-) -> Float[Array, "n t"]:
-    """Downwash along a wing by the image of a vortex in an edge less that by the vortex itself.
-
-    Times 2 pi, for unit circulation: 1/m. In planes across the jet the conditions at the edge are those of a
-    dielectric cylinder. Its answer to a vortex at y' is at y inside k times the flow of one at y', or at R^2 / y' if y'
-    is inside; at y outside it is (R / y)^2 times the answer at R^2 / y.
-
-    Arguments:
-        place: of the strips along the wing from the axis of the jet, m.
-        nodes: of the trailing vortices from each strip on, m.
-        radius: of the edge at the strips, m.
-    """
-    y, radius = place[:, None], radius[:, None]
-    vortex = y + nodes
-    inside, inverse = y / _beyond(y / radius), vortex / radius**2 / _beyond(vortex / radius)
-    return 1.0 / nodes - inverse / (1.0 - inside * inverse)
-
-
-def _beyond(eta: Float[Array, "..."]) -> Float[Array, "..."]:
-    """1 inside the jet, eta^2 outside, rounded off at the edge."""
-    return (1.0 + eta**16) ** 0.125
+    arm = (bound - 0.25) / 0.25
+    return jnp.stack([jnp.linalg.solve(plane.T, jnp.ones_like(met)) / jnp.pi, arm - jnp.append(arm[1:], 0.0)])
 
 
 def jet_edges(
-    distance: Float[Array, " n"],
+    place: Float[Array, " n"],
+    height: Float[Array, " n"],
+    nodes: Float[Array, "n u"],
     chord: Float[Array, " n"],
     *,
-    radius: Float[Array, "n nr1"],
-    excess: Float[Array, "n nr"],
-    share: Float[Array, " nr"],
-    images: Float[Array, "n t"],
+    radius: Float[Array, "n s"],
+    excess: Float[Array, "n s"],
 ) -> JetEdges:
     """All effects of the edges of a jet whose speed varies along its radius in steps.
 
     With Phi = V phi, the local speed times the potential, Phi is continuous at an edge, and with it the lift per span
     rho V Gamma, not the circulation; what jumps is dPhi / dn / V^2. A lattice for the lift therefore has the matrix of
-    the plain stream, -mu (V + u) . n on the right, and the edges' answer:
+    the plain stream, -mu (V + u) . n on the right, and the edges' downwash there too, which is linear in the lift. An
+    edge answers to a vortex that leaves the wing at y' (all lifts are sums of such steps) in two parts:
 
-    * to the bound vortices of the wing in the plain stream, `edge_answer` of every step, d(mu^2) mu_1^2 / (mu_1^2 + 1)
-      strong, which takes from the right-hand side, by the `chord_shares` of the strip;
-    * to its trailing vortices, whose downwash w hardly changes across the jet, as to a plane flow across a cylinder:
-      inside w grows by k = (mu^2 - 1) / (mu^2 + 1), outside by k (R / y)^2, d(mu^2) / (mu_1^2 + 1) of every step; of
-      vortices inside the jet their images count instead, see `trailing_images`;
-    * to the lift that the jet adds, whose trailing vortices stand at the edges: outside 1 - K of it remains, near the
-      axis 1 - 0.31 K, alike for loads that are even and odd about the axis, with
+    * to the vortex that trails, `trailing_answer`;
+    * to the bound vortices that end there, `bound_answer`.
 
-        K = k + k (1 - k) (1 - mean / peak),    k of the peak .
+    Strengths are k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2) of every step, and what steps do to each other, see
+    `_interplay`. The downwash of other surfaces, whose vortices run through the jet far ahead and behind, hardly
+    changes across it: inside an edge it is k times more, outside k (R / y)^2.
 
     Source: Koning (see `reflection`) and Rethorst, Aerodynamics of Nonuniform Flows as Related to an Airfoil Extending
-    through a Circular Jet, J. Aero. Sci. 25 (1958), for the problem; the forms here are fitted to boundary elements
-    (`tests/physics/round_jet.py`), to nothing measured.
+    through a Circular Jet, J. Aero. Sci. 25 (1958), for the problem. The forms here are integrals of first order;
+    nothing measured entered.
 
     Arguments:
-        distance: of every place from the centre line, m.
-        chord: of the wing there, m.
-        radius: of the steps there, from the innermost out, m.
-        excess: mu^2 - 1 between the steps; none inside the first and outside the last.
-        share: of the disk's area between the steps.
-        images: see `trailing_images`.
+        place: of every strip along the wing from the axis of the jet, m.
+        height: of the strip above the axis, across the wing, m.
+        nodes: of what the surface sheds, along the wing from the strip, m.
+        chord: of the wing there, over sqrt(1 - M^2), m.
+        radius: of the steps there, from the innermost out, m; the excess is what is inside.
+        excess: mu^2 - 1.
 
     Returns:
         JetEdges.
 
-    Validity: outer radius over chord 0.35 to 2, mu 1 to 1.5: total added lift within 3 % in full jets, 5 % in such as
-    propellers blow and 8 % in hollow ones, within 15 % of its largest anywhere; within 5 % with aspect ratios 6 and
-    12, and with camber; one chord across the jet, wing near the axis.
+    Validity: against boundary elements (`tests/physics/round_jet.py`), outer radius over chord 0.35 to 2, mu 0.9 to
+    1.5: total added lift within 5 %, anywhere within 10 % of its largest, also where the incidence changes within the
+    jet or is outside of it alone; wing near the axis, one chord across the jet.
     """
-    square = jnp.sum(share * excess**2, axis=1)
-    peak = jnp.sum(share * excess**3, axis=1) / (square + LEAST_EXCESS)
-    k = peak / (peak + 2.0)
-    relief = k + (1.0 - k) * (peak - excess @ share) / (peak + 2.0)
-    steps = -jnp.diff(excess, axis=1, prepend=0.0, append=0.0)
-    each = edge_answer(distance[:, None] / radius, radius / chord[:, None])
-    bound = (1.0 + peak) / (2.0 + peak) * jnp.sum(steps * each, axis=1)
-    trailing = jnp.sum(steps / _beyond(distance[:, None] / radius), axis=1) / (2.0 + peak)
-    relieved = relief * (1.0 - CENTRE * _bubble(distance / radius[:, -1]))
-    half_lines = images / (4.0 * jnp.pi)  # what trails begins at the wing: half of the plane flow
-    return JetEdges(bound, trailing, trailing[:, None] * half_lines, relieved)
+    outside = jnp.concatenate([excess[:, 1:], jnp.zeros_like(excess[:, :1])], axis=1)
+    k = ((excess - outside) / (2.0 + excess + outside))[:, None]
+    y, z, c, r = (a.reshape(a.shape[0], 1, -1) for a in (place, height, chord, radius))
+    v = y + nodes[..., None]
+    trailing, less_trailing = trailing_answer(y, v, z, radius=r, chord=c)
+    bound, less_bound = bound_answer(y, v, z, radius=r, chord=c)
+    trailing_k = k * _interplay(k, r, r**2 * _larger((v**2 + z**2) / r**2))
+    even_k = k * _interplay(k, r, jnp.ones_like(r))
+    bound_k = k + BOUND_INTERPLAY * (even_k - k)
+    return JetEdges(
+        -jnp.sum(trailing_k * trailing + bound_k * bound, axis=2),
+        jnp.sum(trailing_k * less_trailing + bound_k * less_bound, axis=2),
+        jnp.sum(even_k / _larger((y**2 + z**2) / r**2), axis=2)[:, 0],
+    )
 
 
-def _bubble(eta: Float[Array, " n"]) -> Float[Array, " n"]:
-    """(1 - eta^4)^(3/4) inside the jet, nothing outside, rounded off at the edge."""
-    inside = 1.0 - eta**4
-    return (0.5 * (inside + jnp.sqrt(inside**2 + BUBBLE_ROUNDING**2))) ** 0.75
+def trailing_answer(
+    y: Float[Array, "..."],
+    v: Float[Array, "..."],
+    z: Float[Array, "..."],
+    *,
+    radius: Float[Array, "..."],
+    chord: Float[Array, "..."],
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+    """Downwash of an edge of strength one by what trails from the wing, and how much less for lift at mid-chord.
+
+    In planes across the jet a vortex at y' is answered, at y inside, as if by one at y' if that is outside, else by its
+    image at R^2 / y'; at y outside by (R / y)^2 of the answer at R^2 / y. At the wing, where the vortex begins, half of
+    that is there and with the distance d behind the lift more, (1 + d / sqrt(d^2 + l^2)) / 2, averaged over the
+    chord by a plate's pressure in either direction of flow. At a plane wall l is twice the distance, exactly; of a
+    cylinder it is nearly the same at all d, and here
+
+        l = p sqrt(1 + a / (p / R + b)),    p the distance of y from that vortex or image, both as seen from inside .
+
+    Arguments:
+        y: place along the wing from the axis, m.
+        v: of the vortex, m.
+        z: height of the wing above the axis, m.
+        radius: of the edge, m.
+        chord: m.
+
+    Returns:
+        Of a unit vortex, 1/m; both broadcast. With the second times the moment of the lift (`chord_shares`) the first
+        becomes that of lift about the middle of the chord. Within 7 % of quadrature, 12 % where both are outside.
+    """
+    place, vortex = _larger((y**2 + z**2) / radius**2), _larger((v**2 + z**2) / radius**2)
+    apart = 1.0 - (y * v + z**2) / (radius**2 * place * vortex)
+    image = v / (4.0 * jnp.pi * radius**2 * place * vortex * apart)
+    a, b = LEG_REACH
+    p2 = apart**2 * place * vortex
+    reach2 = (radius / chord) ** 2 * p2 * (1.0 + a / (jnp.sqrt(p2 + LEAST_REACH) + b))
+    more = image * 0.5 / jnp.sqrt(reach2 + LEG_SHARE)
+    return image + more, more * (0.5 - 1.0 / (6.0 + LEG_MIDDLE * reach2))
+
+
+def bound_answer(
+    y: Float[Array, "..."],
+    v: Float[Array, "..."],
+    z: Float[Array, "..."],
+    *,
+    radius: Float[Array, "..."],
+    chord: Float[Array, "..."],
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+    """Downwash of an edge of strength one by bound vortices that end at y', as `trailing_answer`.
+
+    `edge_answer` times the share of the bound vortices around the axis that are on this side of y'. The answer to one
+    of them alone is within a factor of two for radii of half a chord and more.
+    """
+    ahead = v - BOUND_CENTRE * y / _larger((y**2 + z**2) / radius**2)
+    whole = edge_answer((y**2 + z**2) / radius**2, radius / chord) / (jnp.pi * chord)
+    least, slope = BOUND_MIDDLE
+    less = (1.0 - least) * (1.0 - 1.0 / (1.0 + slope * radius / chord))
+    answer = whole * 0.5 * ahead / jnp.sqrt(ahead**2 + radius**2)
+    return answer, answer * less
+
+
+def _larger(square: Float[Array, "..."]) -> Float[Array, "..."]:
+    """The square, or 1 where that is more, rounded off."""
+    return 0.5 * (1.0 + square + jnp.sqrt((square - 1.0) ** 2 + EDGE_ROUNDING**2))
+
+
+def _interplay(
+    k: Float[Array, "n 1 s"], r: Float[Array, "n 1 s"], square: Float[Array, "n _ s"]
+) -> Float[Array, "n _ s"]:
+    """What an edge answers by its own strength alone, times this, is what it answers among the others.
+
+    To first order in what they do to each other, of flow that is even across the jet: an edge adds k inside, and
+    outside takes k (R / y)^2 of the normal velocity. ``square`` is the larger of R^2 and the vortex's place squared,
+    by which the velocity that an edge meets falls off; the same for all edges if the vortex is far away.
+    """
+    around, within = k / square, k * r**2 / square
+    around = jnp.sum(around, axis=2, keepdims=True) - jnp.cumsum(around, axis=2)
+    within = jnp.cumsum(within, axis=2) - within
+    return 1.0 + square * (around - within / r**2)

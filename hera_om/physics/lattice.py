@@ -14,7 +14,7 @@ Unknowns are ring circulations over the flight speed, in m. Valid for attached f
 subcritical Mach numbers (below about 0.7), away from the cores of other surfaces' wakes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import jax
@@ -173,17 +173,28 @@ def _whole(even: Half, odd: Half | None, single: np.ndarray) -> Whole | None:
     return Whole(matrix, lu_factor(jax.lax.stop_gradient(matrix)), keep)
 
 
-def solve_halves(lattice: Lattice, starboard: Float[Array, " n"], port: Float[Array, " n"]) -> Float[Array, "2 n"]:
-    """Circulations of both halves for their right-hand sides, the port half as the plane of symmetry mirrors it.
+def by_symmetry(
+    lattice: Lattice, by: Callable[[Half | Whole, Float[Array, " _"]], Float[Array, " _"]], halves: Float[Array, "h n"]
+) -> Float[Array, "h n"]:
+    """What a linear function of the systems, as `solve`, makes of a half, or of both halves.
 
-    Two systems of half the size, for the mirrored and the reversed part; one of full size where a surface has no
-    image.
+    The port half is as the plane of symmetry mirrors it. Two systems of half the size, for the mirrored and the
+    reversed part; one of full size where a surface has no image.
     """
+    if len(halves) == 1:
+        return by(lattice.even, halves[0])[None]
     assert lattice.odd is not None
     if lattice.whole is not None:
-        return solve(lattice.whole, jnp.concatenate([starboard, lattice.whole.keep * port])).reshape(2, -1)
-    even, odd = solve(lattice.even, (starboard + port) / 2), solve(lattice.odd, (starboard - port) / 2)
+        return by(lattice.whole, halves.ravel()).reshape(2, -1)
+    even, odd = by(lattice.even, (halves[0] + halves[1]) / 2), by(lattice.odd, (halves[0] - halves[1]) / 2)
     return jnp.stack([even + odd, even - odd])
+
+
+def present(lattice: Lattice, halves: Float[Array, "h n"]) -> Float[Array, "h n"]:
+    """Values of panels, zero where the port half has none."""
+    if lattice.whole is None or len(halves) == 1:
+        return halves
+    return halves * jnp.stack([jnp.ones_like(lattice.whole.keep), lattice.whole.keep])
 
 
 def solve(half: Half | Whole, rhs: Float[Array, "n *m"]) -> Float[Array, "n *m"]:

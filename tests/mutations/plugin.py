@@ -178,20 +178,12 @@ def _without_rear_spar(old):
     return properties
 
 
-def _bound_alone(old):
-    def jet_edges(*args, **how):
-        edges = old(*args, **how)
-        return edges._replace(trailing=0.0 * edges.trailing, images=0.0 * edges.images)
-
-    return jet_edges
-
-
 def _starboard_alone(old):
     calls = []
 
-    def steps(surfaces, strength):
+    def steps(strength):
         calls.append(None)
-        return old(surfaces, strength) * (len(calls) % 2)
+        return old(strength) * (len(calls) % 2)
 
     return steps
 
@@ -233,29 +225,42 @@ MUTATIONS = {
         "answer of a jet's edges to the wing",
         ("finite_jet:edge_answer",),
         _nothing,
-        PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.03-0.05]",
+        PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.03-0.04]",
         wrap=True,
     ),
     "trailing_unanswered": Mutation(
         "answer of a jet's edges to what trails",
-        ("disks:jet_edges",),
-        _bound_alone,
-        TUNNEL + "test_model_II",
+        ("finite_jet:trailing_answer",),
+        _nothing,
+        PHYSICS + "test_round_jet.py::test_lift_of_a_load_that_changes_within_a_jet[shape0-inside-0.25]",
+        wrap=True,
+    ),
+    "half_a_vortex": Mutation(
+        "more than half of that answer behind the lift",
+        ("finite_jet:LEG_SHARE",),
+        1e6,
+        PHYSICS + "test_finite_jet.py::test_answer_to_what_trails[0.3-0.1]",
+    ),
+    "steps_apart": Mutation(
+        "what edges do to each other",
+        ("finite_jet:_interplay",),
+        lambda old: lambda k, r, square: old(0.0 * k, r, square),
+        PHYSICS + "test_finite_jet.py::test_steps_in_a_row_answer_as_one_to_what_is_far_away",
         wrap=True,
     ),
     "port_images_off": Mutation(
         "vortices of the other half in a jet across the plane of symmetry",
         ("strips:_steps",),
         _starboard_alone,
-        PHYSICS + "test_strips.py::test_a_jet_around_the_whole_wing_answers_little_to_what_trails[0.0]",
+        PHYSICS + "test_strips.py::test_without_an_image_the_other_half_is_not_there",
         wrap=True,
     ),
     "thickness_off": Mutation("flow of thickness at the disks", ("coupling:THICKNESS",), 0.0, TUNNEL + "test_model_II"),
-    "edges_alike": Mutation(
-        "less of that answer near the axis of a jet",
-        ("finite_jet:CENTRE",),
+    "inflow_turn_off": Mutation(
+        "turn of slipstreams by what other parts do at the disk",
+        ("disks:INFLOW_TURN",),
         0.0,
-        PHYSICS + "test_round_jet.py::test_lift_by_swirl[0.5-shape0-0.02]",
+        PHYSICS + "test_disks_coupling.py::test_upwash_of_others_turns_a_slipstream_as_incidence_does",
     ),
     "turn_off": Mutation(
         "turn of slipstreams by forces across the shaft",

@@ -62,7 +62,7 @@ class RoundJets:
         self.image = -1.0 if odd else 1.0  # of the load on the other half
         self.radii, self.chordwise = np.array(radii, float), chordwise
         edges, self.middle = strips(list(radii), inside, half_span or REACH + radii[-1])
-        self.width, self.strips = np.diff(edges), len(self.middle)
+        self.edges, self.width, self.strips = edges, np.diff(edges), len(self.middle)
         self.bound, self.met = ((np.arange(chordwise) + part) / chordwise for part in (0.25, 0.75))
         self.points = np.array([[x, y, 0.0] for x in self.met for y in self.middle])
 
@@ -86,7 +86,6 @@ class RoundJets:
         else:
             self.plain = np.linalg.solve(self.lattice, -self.normal)
             self.onto_plain = self.onto @ self.plain
-        self.downwash = section.sum() / self.plate.sum() - self._strips(self.plain)  # of what trails without jets
 
     def _sources(self):
         """Panels of a quarter of every cylinder, with their mirror images: on each other and on the wing."""
@@ -133,28 +132,42 @@ class RoundJets:
     def _strips(self, lift):
         return lift.reshape(self.chordwise, self.strips).sum(axis=0) / self.plate.sum()
 
-    def gain(self, speeds, edges=1.0):
-        """What the jets add to the lift, by strip; ``edges`` = 0 leaves the answer of the edges out."""
-        by_strip, plain = self.answer(speeds)
-        right = self._faster(speeds) - edges * plain
-        return self._strips(np.linalg.solve(self.lattice + edges * by_strip, right))
+    def gain(self, speeds, edges=1.0, where=1.0):
+        """What the jets add to the lift, by strip; ``edges`` = 0 leaves the answer of the edges out.
 
-    def _faster(self, speeds):
+        ``where`` is the share of the incidence that each strip has, for a finite span.
+        """
+        lift, right = self._plain(where), self._faster(speeds, where)
+        by_strip, plain = self.answer(speeds)
+        plain = plain if np.ndim(where) == 0 else by_strip @ lift
+        return self._strips(np.linalg.solve(self.lattice + edges * by_strip, right - edges * plain))
+
+    def _plain(self, where):
+        """Lift without jets."""
+        if np.ndim(where) == 0:
+            return self.plain
+        return np.linalg.solve(self.lattice, -self.normal * np.tile(where, self.chordwise))
+
+    def _faster(self, speeds, where=1.0):
         """Right-hand side by the speed of the jets."""
-        return (1 - self.speed(self.points[:, 1], speeds) ** 2) * self.normal
+        where = np.tile(where * np.ones(self.strips), self.chordwise)
+        return (1 - self.speed(self.points[:, 1], speeds) ** 2) * self.normal * where
 
     def swirled(self, speeds, swirl, edges=1.0):
         """Lift by an upwash in the jets at the wing's points, over that of a plate so inclined in the plain stream."""
         right = self.speed(self.points[:, 1], speeds) * swirl
         return self._strips(np.linalg.solve(self.lattice + edges * self.answer(speeds)[0], -right))
 
-    def modelled(self, speeds, edges, weights):
-        """The gain by a lattice for the lift with `finite_jet.JetEdges` by strip; ``weights`` of a strip's rings."""
-        rings = np.cumsum(self.plain.reshape(self.chordwise, self.strips), axis=0)
-        bound = edges.bound * (weights @ rings) / self.plate.sum()
-
-        def lift(right):
-            return self._strips(np.linalg.solve(self.lattice, right))
-
-        added = lift(self._faster(speeds) + np.tile(bound, self.chordwise))
-        return (1.0 - edges.relief) * added + lift(np.tile(edges.trailing * self.downwash, self.chordwise))
+    def modelled(self, speeds, edges, where=1.0, swirl=None):
+        """The gain, or the lift by swirl, by a lattice for the lift with `finite_jet.JetEdges` of the strips."""
+        one = np.eye(self.strips)
+        steps = np.diff(one, axis=0, prepend=0.0, append=0.0)
+        shed = np.concatenate([steps, -self.image * steps])
+        arms = np.concatenate([(x - 0.25) / 0.25 * one for x in self.bound], axis=1)
+        by_strip = edges.shed @ shed @ np.tile(one, self.chordwise) + edges.moment @ shed @ arms
+        answer = np.tile(by_strip, (self.chordwise, 1))
+        if swirl is None:
+            right = self._faster(speeds, where) + answer @ self._plain(where)
+        else:
+            right = -self.speed(self.points[:, 1], speeds) * swirl
+        return self._strips(np.linalg.solve(self.lattice - answer, right))

@@ -19,8 +19,9 @@ from hera_om.physics.coupling import (
     split_factors,
     unknowns,
 )
-from hera_om.physics.disks import Wake, blades, disk_points, rotor_loads, shaft_axes, slipstreams
+from hera_om.physics.disks import Wake, blades, disk_points, rotor_loads, shaft_axes, slipstreams, wake_behind
 from hera_om.physics.equilibrium import as_vector, carried, find_root, linearised, settle
+from hera_om.physics.finite_jet import reflection
 from hera_om.physics.fuselage import Fuselage
 from hera_om.physics.geometry import Sections, make_grid
 from hera_om.physics.layout import ROOTED
@@ -392,3 +393,31 @@ def test_a_counter_rotating_rotor_takes_up_the_swirl(tandem, in_stream):
     ends = [in_stream(90.0 + 2.0 * mean, swirl, turn) for turn in (1.0, -1.0)]
     for i, found in enumerate((opposed.thrust[1] - same.thrust[1], opposed.torque[1] - same.torque[1])):
         assert float(found) == pytest.approx(float(ends[1][i] - ends[0][i]), rel=0.2)
+
+
+def test_upwash_of_others_turns_a_slipstream_as_incidence_does(w=0.02):
+    """Far behind, inside and outside, to first order in the axial velocity: with what edges make of an upwash that is
+    there too (a dielectric) it is the turn of a slipstream at incidence, a law of another source.
+    """
+    rotors, at = rotor(incidence=0.0), flow()
+    stream = jnp.broadcast_to(jnp.array([at.speed, 0.0, 0.0]), (1, 1, 4, 4, 3))
+    loads = rotor_loads(rotors, SINGLE, stream, pitch=jnp.asarray([PITCH]), flow=at)
+    upwash = jnp.broadcast_to(jnp.array([0.0, 0.0, w]), (1, 1, 4, 4, 3))
+    turned = wake_behind(loads, rotors, SINGLE, at, upwash)
+    straight = wake_behind(loads, rotors, SINGLE, at, 0.0 * upwash)
+    np.testing.assert_array_equal(turned.axial, straight.axial)
+    v = float(jnp.mean(straight.axial))
+    assert 0.01 < v < 0.15
+
+    def across(wake, wind, slope):
+        centre = rotors.hub[0] + 60.0 * jnp.array([1.0, 0.0, slope])
+        points = centre + jnp.array([[0.0, 0.0, 0.0], [0.0, 3.0, 0.0]])
+        return np.asarray(slipstreams(rotors, SINGLE, wake, points, winds=jnp.array([wind]))[0, 0, :, 2])
+
+    by_others = across(turned, [1.0, 0.0, 0.0], 0.0)
+    by_incidence = across(straight, [1.0, 0.0, w], w / (1.0 + v))
+    assert np.all(np.abs(by_incidence) > 0.1 * v * w)
+    jet = 1.0 + 2.0 * v
+    contracted = rotors.radius[0] ** 2 * (1.0 + v) / jet
+    edges = w * np.array([2.0 * jet / (jet**2 + 1.0) - 1.0, float(reflection(jet) * contracted / 3.0**2)])
+    np.testing.assert_allclose(by_others + edges, by_incidence, rtol=3.0 * v)

@@ -72,39 +72,30 @@ def profile(shape, radius, mu):
     return radius * np.array(radii), 1.0 + (mu - 1.0) * np.array(excess)
 
 
-def edges_of(radii, speeds, y):
-    """`jet_edges` at places along the wing, chord 1."""
-    steps = np.broadcast_to(np.append(1e-3, radii), (len(y), len(radii) + 1))
-    excess = np.broadcast_to(speeds**2 - 1.0, (len(y), len(radii)))
-    share = np.diff(np.append(0.0, radii) ** 2) / radii[-1] ** 2
-    along = {"radius": jnp.asarray(steps), "excess": jnp.asarray(excess), "share": jnp.asarray(share)}
-    none = jnp.zeros((len(y), 0))  # hardly anything trails inside the jets
-    found = fj.jet_edges(jnp.asarray(y), jnp.ones(len(y)), images=none, **along)
-    return fj.JetEdges(*[np.asarray(v) for v in found])
-
-
-def ours(jet, radii, speeds):
-    """What the jets add to the lift with `finite_jet`, by strip."""
-    n = jet.chordwise
-    parts = jnp.full(n, 0.25), jnp.full(n, 0.75)
-    weights = np.asarray(fj.chord_shares(jnp.linspace(0.0, 1.0, n + 1), *parts)[1])
-    return jet.modelled(speeds, edges_of(radii, speeds, jet.middle), weights)
+def ours(jet, radii, speeds, **how):
+    """What the jets add to the lift, or the lift by swirl, with `finite_jet`, by strip; chord 1."""
+    y, n = jet.middle, jet.strips
+    places = np.concatenate([jet.edges, -jet.edges])
+    nodes = jnp.asarray(places - y[:, None])
+    radius, excess = (jnp.broadcast_to(jnp.asarray(v), (n, len(radii))) for v in (radii, speeds**2 - 1.0))
+    found = fj.jet_edges(jnp.asarray(y), jnp.zeros(n), nodes, jnp.ones(n), radius=radius, excess=excess)
+    return jet.modelled(speeds, fj.JetEdges(*[np.asarray(v) for v in found]), **how)
 
 
 @pytest.mark.parametrize(
     "shape,radius,mu,total,anywhere",
     [
-        (FULL, 0.35, 1.1, 0.03, 0.05),
-        (FULL, 0.5, 1.1, 0.03, 0.05),
-        (FULL, 0.5, 1.2, 0.03, 0.05),
+        (FULL, 0.35, 1.1, 0.03, 0.04),
+        (FULL, 0.5, 1.1, 0.03, 0.04),
+        (FULL, 0.5, 1.2, 0.03, 0.04),
         (FULL, 0.5, 1.5, 0.03, 0.05),
-        (FULL, 1.0, 1.2, 0.03, 0.05),
-        (FULL, 2.0, 1.2, 0.03, 0.05),
-        (HOLLOW, 0.5, 1.2, 0.08, 0.14),
-        (HOLLOW, 1.0, 1.2, 0.08, 0.14),
-        (BLOWN, 0.5, 1.1, 0.05, 0.08),
-        (BLOWN, 0.5, 1.35, 0.05, 0.15),
-        (BLOWN, 1.0, 1.2, 0.05, 0.12),
+        (FULL, 1.0, 1.2, 0.03, 0.04),
+        (FULL, 2.0, 1.2, 0.03, 0.04),
+        (HOLLOW, 0.5, 1.2, 0.05, 0.05),
+        (HOLLOW, 1.0, 1.2, 0.05, 0.05),
+        (BLOWN, 0.5, 1.1, 0.05, 0.05),
+        (BLOWN, 0.5, 1.35, 0.05, 0.05),
+        (BLOWN, 1.0, 1.2, 0.05, 0.05),
     ],
 )
 def test_lift_of_a_wing_through_round_jets(shape, radius, mu, total, anywhere):
@@ -121,25 +112,23 @@ def test_lift_of_a_wing_through_round_jets(shape, radius, mu, total, anywhere):
 @pytest.mark.parametrize(
     "shape,radius,mu,anywhere",
     [
-        (FULL, 0.35, 1.2, 0.06),
-        (FULL, 0.5, 1.1, 0.06),
-        (FULL, 0.5, 1.4, 0.06),
-        (FULL, 1.0, 1.2, 0.06),
-        (FULL, 2.0, 1.2, 0.06),
-        (BLOWN, 0.5, 1.1, 0.06),
-        (BLOWN, 0.5, 1.35, 0.14),
-        (BLOWN, 1.0, 1.2, 0.07),
+        (FULL, 0.35, 1.2, 0.05),
+        (FULL, 0.5, 1.1, 0.05),
+        (FULL, 0.5, 1.4, 0.05),
+        (FULL, 1.0, 1.2, 0.05),
+        (FULL, 2.0, 1.2, 0.05),
+        (BLOWN, 0.5, 1.1, 0.05),
+        (BLOWN, 0.5, 1.35, 0.05),
+        (BLOWN, 1.0, 1.2, 0.05),
     ],
 )
 def test_lift_of_a_finite_wing_through_round_jets(shape, radius, mu, anywhere, half_span):
-    """Aspect ratios 6 and 12: without the edges' answer to what trails at least 15 and 7 % too much in all."""
+    """Aspect ratios 6 and 12."""
     radii, speeds = profile(shape, radius, mu)
     jet = RoundJets(radii, half_span=half_span)
     exact, found = jet.gain(speeds), ours(jet, radii, speeds)
     assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.05)
     np.testing.assert_allclose(found, exact, atol=anywhere * np.max(exact))
-    jet.downwash = 0.0 * jet.downwash
-    assert np.sum(ours(jet, radii, speeds) * jet.width) > (1.0 + 0.45 / half_span) * np.sum(exact * jet.width)
 
 
 @pytest.mark.parametrize("half_span", [None, 3.0])
@@ -150,9 +139,34 @@ def test_lift_of_a_cambered_wing_through_round_jets(shape, radius, mu, half_span
     jet = RoundJets(radii, chordwise=8, half_span=half_span, normal=lambda x: 4.0 * x - 2.0)
     exact, found = jet.gain(speeds), ours(jet, radii, speeds)
     assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.05)
+    np.testing.assert_allclose(found, exact, atol=0.1 * np.max(exact))
 
 
-@pytest.mark.parametrize("shape,anywhere", [(FULL, 0.02), (HOLLOW, 0.08), (BLOWN, 0.06)])
+PROPELLER = np.array([0.25, 0.35, 0.5, 0.65, 0.95, 1.0]), np.array([0.96, 1.08, 1.22, 1.30, 1.34, 1.2])
+
+
+@pytest.mark.parametrize("middle", [0.25, 0.5])
+@pytest.mark.parametrize("where", ["inside", "from there to the edge", "outside"])
+@pytest.mark.parametrize("shape", [(np.array([1.0]), np.array([1.2])), PROPELLER])
+def test_lift_of_a_load_that_changes_within_a_jet(shape, where, middle, radius=0.494):
+    """Incidence in the middle alone (a nacelle, a flap that ends there), in the rest of the jet, outside of it.
+
+    What each gains is a part of what the whole wing gains; with the answer to each strip's own circulation alone they
+    were wrong by up to 60 % of that.
+    """
+    radii, speeds = radius * shape[0], shape[1]
+    jet = RoundJets(radii, inside=16, half_span=3.0)
+    y = jet.middle / radius
+    share = {"inside": y < middle, "from there to the edge": (y > middle) & (y < 1.0), "outside": y > 1.0}[where]
+    exact, found = (
+        np.sum(v * jet.width)
+        for v in (jet.gain(speeds, where=share * 1.0), ours(jet, radii, speeds, where=share * 1.0))
+    )
+    whole = jet.gain(speeds)
+    assert found == pytest.approx(exact, abs=0.07 * np.sum(whole * jet.width))
+
+
+@pytest.mark.parametrize("shape,anywhere", [(FULL, 0.03), (HOLLOW, 0.05), (BLOWN, 0.05)])
 @pytest.mark.parametrize("radius", [0.5, 1.0])
 def test_lift_by_swirl(shape, anywhere, radius, mu=1.2):
     """The edges answer to an odd load alike: a fifth is not there outside, a twentieth inside."""
@@ -161,8 +175,7 @@ def test_lift_by_swirl(shape, anywhere, radius, mu=1.2):
     y = jet.points[:, 1]
     swirl = np.where((y < radius) & (y > 0.3 * radius), 1.0, 0.0)
     exact, without = (jet.swirled(speeds, swirl, edges) for edges in (1.0, 0.0))
-    found = (1.0 - edges_of(radii, speeds, jet.middle).relief) * without
-    np.testing.assert_allclose(found, exact, atol=anywhere * np.max(np.abs(exact)))
+    np.testing.assert_allclose(ours(jet, radii, speeds, swirl=swirl), exact, atol=anywhere * np.max(np.abs(exact)))
     assert np.max(np.abs(without - exact)) > 0.08 * np.max(np.abs(exact))
 
 
