@@ -25,8 +25,8 @@ LEG_MIDDLE = 30.0
 """Fit to how much less that is for lift about the middle of the chord: from 2 / 3 to 1 / 2."""
 LEAST_REACH = 1e-12
 """Keeps that reach differentiable."""
-EDGE_ROUNDING = 0.01
-"""Rounds off, in squares of the radius, what is inside and outside of an edge: by a quarter percent of it (choice)."""
+EDGE_ROUNDING = 0.02
+"""Rounds off, in squares of the radius, what is inside and outside of an edge: by half a percent of it (choice)."""
 
 
 class JetEdges(NamedTuple):
