@@ -27,10 +27,11 @@ def check_partials():
 
     A block that is smaller than what rounding leaves of the differences counts as zero: ``floor`` times the
     size of the output over the size of the input. ``noise`` names outputs that are nothing but rounding,
-    ``least`` is the least error that counts where they are so by design (the moment of a lone rotor).
+    ``least`` is the least error that counts where they are so by design (the moment of a lone rotor), ``steps`` the
+    relative steps of single inputs.
     """
 
-    def check(component, inputs, tol=1e-6, relative_step=1e-4, floor=1e-8, noise=(), least=1e-300):
+    def check(component, inputs, tol=1e-6, relative_step=1e-4, floor=1e-8, noise=(), least=1e-300, steps=None):
         inputs = {name: np.asarray(value, float) for name, value in inputs.items()}
         names = [n for n in component._var_rel_names["output"] if n not in noise]
         assert set(inputs) == set(component._var_rel_names["input"])
@@ -41,7 +42,7 @@ def check_partials():
             size = max(float(np.max(np.abs(x))), 1e-2)
             columns = []
             for i in range(x.size):
-                step = relative_step * max(abs(float(x.flat[i])), 0.1 * size)
+                step = (steps or {}).get(wrt, relative_step) * max(abs(float(x.flat[i])), 0.1 * size)
                 wide = _difference(component, inputs, wrt, i, step, names)
                 narrow = _difference(component, inputs, wrt, i, step / 2.0, names)
                 columns.append({n: (4.0 * narrow[n] - wide[n]) / 3.0 for n in names})

@@ -46,10 +46,11 @@ def flown(small, ready):
 def test_partials_of_the_whole_aircraft(flown, check_partials):
     """The floor is what rounding leaves: 1e-11 of the flow of a disk, see `vortex_tube`.
 
-    What slipstreams take by thickness and give by swirl nearly cancels here in CD_slipstream, but not its noise.
+    What slipstreams take by thickness and give by swirl nearly cancels here in CD_slipstream, but not its noise, which
+    asks for a wide step of the twist; what moves a slipstream's edge, rounded over half a percent, for a small one.
     """
     component, _, inputs = flown
-    check_partials(component, inputs, relative_step=2e-4, floor=1e-6, noise=RESIDUAL)
+    check_partials(component, inputs, relative_step=5e-5, floor=1e-6, noise=RESIDUAL, steps={"theta_tip": 2e-4})
 
 
 @pytest.mark.parametrize(
