@@ -16,8 +16,6 @@ from hera_om.physics.coupling import (
     Response,
     Setting,
     body_motion,
-    both_parts,
-    induced,
     onset,
     sides,
     turned,
@@ -25,7 +23,7 @@ from hera_om.physics.coupling import (
 )
 from hera_om.physics.disks import Wake
 from hera_om.physics.equilibrium import Equilibrium, as_vector
-from hera_om.physics.lattice import Lattice
+from hera_om.physics.lattice import Lattice, both_parts, induced
 from hera_om.physics.lattice_forces import (
     StripLoads,
     both_halves,

@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from hera_om.physics.finite_jet import JetEdges
 from hera_om.physics.geometry import Panels
-from hera_om.physics.lattice import Lattice, by_symmetry, present, shapes
+from hera_om.physics.lattice import Lattice, by_symmetry, induced, present, shapes
 from hera_om.physics.strips import by_surface, shed, strip_of_panels
 
 
@@ -29,7 +29,13 @@ class Blown(NamedTuple):
 
 
 def make_blown(surfaces: Sequence[Panels], lattice: Lattice, shares: Float[Array, "2 n"]) -> Blown:
-    """The above for the panels that the lattice was made of."""
+    """What slipstreams need of a lattice.
+
+    Args:
+        surfaces: panels that the lattice was made of.
+        lattice: of any kind of surfaces.
+        shares: see `finite_jet.chord_shares`, by panel.
+    """
     strip, last = strip_of_panels(surfaces)
     owner = np.repeat(np.arange(len(surfaces)), [a * b for a, b in shapes(surfaces)])
     foreign = None
@@ -38,11 +44,10 @@ def make_blown(surfaces: Sequence[Panels], lattice: Lattice, shares: Float[Array
         other = jnp.asarray((owner[:, None] != owner).astype(float))
         odd = None if lattice.odd is None else mean @ (other * lattice.odd.matrix)
         foreign = (mean @ (other * lattice.even.matrix), odd)
-    fixed = jax.lax.stop_gradient(lattice)
 
     def lifts(halves):
         each = jnp.eye(halves * len(last)).reshape(-1, halves, len(last))
-        return jax.vmap(lambda v: _by_factors(fixed, present(fixed, v[:, strip])))(each)
+        return jax.vmap(lambda v: _by_factors(lattice, present(lattice, v[:, strip])))(each)
 
     return Blown(shares, foreign, (lifts(1), None if lattice.odd is None else lifts(2)))
 
@@ -74,19 +79,18 @@ def solve_blown(
 
     lifts = blown.lifts[h - 1]
     assert lifts is not None
-    fixed = jax.lax.stop_gradient(lattice)
     among = jax.vmap(lambda v: answer(v).ravel(), out_axes=1)(lifts)
     inverse = jax.lax.stop_gradient(jnp.linalg.inv(jnp.eye(h * s) - among))
 
     def by_factors(_, b):
-        plain = _by_factors(fixed, b)
+        plain = _by_factors(lattice, b)
         return plain + jnp.tensordot(inverse @ answer(plain).ravel(), lifts, axes=1)
 
     def by_transpose(_, b):
-        plain = _by_factors(fixed, b, trans=1)
+        plain = _by_factors(lattice, b, trans=1)
         downwash = inverse.T @ jax.linear_transpose(spread, jnp.zeros((h, s)))(plain)[0].ravel()
         back = jax.linear_transpose(answer, b)(downwash.reshape(h, s))[0]
-        return plain + _by_factors(fixed, back, trans=1)
+        return plain + _by_factors(lattice, back, trans=1)
 
     return jax.lax.custom_linear_solve(equations, needed, by_factors, transpose_solve=by_transpose)
 
@@ -104,7 +108,7 @@ def _answer(
         own = jnp.concatenate([_of_surface(*each) for each in pairs], axis=1)
         if blown.others is None:
             return own
-        return own - jnp.concatenate([e.others for e in edges], axis=1) * _normalwash(blown.others, lift)
+        return own - jnp.concatenate([e.others for e in edges], axis=1) * induced(*blown.others, lift)
 
     return answer
 
@@ -119,16 +123,6 @@ def _of_surface(edges: JetEdges, gamma: Float[Array, "h n"], moment: Float[Array
     return jax.vmap(side)(edges, both, both[::-1])
 
 
-def _normalwash(parts: tuple[Array, Array | None], lift: Float[Array, "h n"]) -> Float[Array, "h s"]:
-    """Normal velocities at the strips by their matrices in mirrored and in reversed flow."""
-    even, odd = parts
-    if len(lift) == 1:
-        return (even @ lift[0])[None]
-    assert odd is not None
-    one, other = even @ (lift[0] + lift[1]) / 2, odd @ (lift[0] - lift[1]) / 2
-    return jnp.stack([one + other, one - other])
-
-
 def _by_factors(lattice: Lattice, halves: Float[Array, "h n"], trans: int = 0) -> Float[Array, "h n"]:
-    """Solutions without edges; no derivatives by the matrices."""
+    """Solutions without edges; factors carry no derivatives."""
     return by_symmetry(lattice, lambda part, v: lu_solve(part.lu, v, trans=trans), halves)

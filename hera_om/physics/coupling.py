@@ -33,7 +33,9 @@ from hera_om.physics.lattice import (
     MIRROR,
     Lattice,
     assemble,
+    both_parts,
     by_symmetry,
+    induced,
     marked,
     prandtl_glauert,
     present,
@@ -299,13 +301,6 @@ def normals(lattice: Lattice, delta: Float[Array, " k"], side: float = 1.0) -> F
     return lattice.normal + jnp.tensordot(jnp.sin(delta), lattice.normal_hinge[0 if side > 0 else 1], axes=1)
 
 
-def both_parts(values: list[Array]) -> tuple[Array, Array | None]:
-    """Mirrored and reversed part of what two halves have; one half has no reversed part."""
-    if len(values) == 1:
-        return values[0], None
-    return (values[0] + values[1]) / 2, (values[0] - values[1]) / 2
-
-
 def circulation(at: Setting, x: Controls, jets: Jets | None = None) -> Float[Array, "h n"]:
     """Strengths of the rings in the stream and in slipstreams, if any.
 
@@ -365,16 +360,6 @@ def axis_upwash(at: Setting, x: Controls, jets: Jets | None = None) -> Array | N
         return None
     strengths = _strengths(at, jets, [-_met(at, x, jets, i, side) for i, side in enumerate(sides(x))])
     return slender.upwash @ both_parts(list(strengths))[0]
-
-
-def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float[Array, "h *p 3"]:
-    """Velocities that circulations induce, by their influence in mirrored and in reversed flow."""
-    mirrored, reversed_ = both_parts(list(gamma))
-    if reversed_ is None:
-        return (even @ mirrored)[None]
-    assert odd is not None
-    one, other = even @ mirrored, odd @ reversed_
-    return jnp.stack([one + other, one - other])
 
 
 def unknowns(plan: RotorPlan | None, system: System, x: Controls) -> int:

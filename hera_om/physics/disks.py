@@ -19,6 +19,7 @@ from hera_om.physics.slipstream import (
     contraction,
     disk_mean,
     displacement,
+    hub_edge,
     loading,
     skew,
     slipstream_velocity,
@@ -69,7 +70,7 @@ def wake_behind(
 
     What surfaces and others do at a disk (``turned``, velocity over the flight speed) gives the air a slope there that
     the thrust, along the shaft, takes part of away: w across the shaft acts as a force rho A (V + v) (V / V_j)
-    (V_j - V) w does. The potential is continuous through the disk, so that behind it V_j phi inside less V phi outside
+    (V_j - V) w. The potential is continuous through the disk, so that behind it V_j phi inside less V phi outside
     of the tube is (V_j - V) times that at the disk; the stream's own part is `slipstream.crossflow`.
     """
     axes = shaft_axes(rotors.incidence)
@@ -337,7 +338,7 @@ def slipstream_edges(
         area = member * slip.r
         half = 0.5 * (slip.r[1] - slip.r[0])
         jet = _Jet((area @ slip.axial) / jnp.sum(area, axis=1), disk_mean(slip.r, slip.axial, slip.radius), slip.wind)
-        ends = jnp.append(slip.r[0] - half, slip.r[last] + half)
+        ends = jnp.append(hub_edge(slip.r, slip.radius), slip.r[last] + half)
         place = _Met(point, along, chord, nodes, slip.hub, slip.axes[0], slip.radius, ends, slip.displaced)
         return _edges(jet, place)
 

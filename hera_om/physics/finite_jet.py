@@ -15,9 +15,6 @@ BOUND_CENTRE = 0.6
 """Place along the wing whose bound vortices count most for another, over the distance of that from the axis."""
 BOUND_MIDDLE = (0.53, 7.0)
 """Least answer to bound vortices about the middle of the chord over that about the quarter point, and how soon."""
-BOUND_INTERPLAY = 0.5
-"""Share of `_interplay` in the answer to bound vortices, whose flow is not one of planes across the jet (choice: with
-none of it boundary elements in jets as propellers blow add 4 % more lift, with all 4 % less)."""
 LEG_REACH = (1.7, 0.2)
 LEG_SHARE = 0.5
 """Fits to how far behind the lift an edge has its whole answer to what trails, and to its mean over a plate."""
@@ -25,6 +22,8 @@ LEG_MIDDLE = 30.0
 """Fit to how much less that is for lift about the middle of the chord: from 2 / 3 to 1 / 2."""
 LEAST_REACH = 1e-12
 """Keeps that reach differentiable."""
+STILL = 1e-12
+"""Keeps the strength of an edge between air that both rests defined."""
 EDGE_ROUNDING = 0.02
 """Rounds off, in squares of the radius, what is inside and outside of an edge: by half a percent of it (choice)."""
 
@@ -37,16 +36,18 @@ class JetEdges(NamedTuple):
     others: Float[Array, " n"]  # to a unit downwash of all other surfaces
 
 
-def reflection(velocity_ratio: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
-    """Strength of the image in the edge of a jet, k = (mu^2 - 1) / (mu^2 + 1), mu = V_jet / V.
+def reflection(
+    inside: Float[Array, "..."] | ScalarLike, outside: Float[Array, "..."] | ScalarLike = 1.0
+) -> Float[Array, "..."]:
+    """Strength of the image in an edge, k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2), from the squares of mu.
 
     Pressure and flow angle are the same on both sides of the edge; 0 without a jet, 1 for a jet in still air.
 
     Source: Glauert, The Lift and Drag of a Wing Spanning a Free Jet, ARC R&M 1603 (1934), for still air; Koning,
     in Durand, Aerodynamic Theory IV (1935), division M, for any ratio.
     """
-    square = jnp.asarray(velocity_ratio) ** 2
-    return (square - 1.0) / (square + 1.0)
+    square = jnp.asarray(inside)
+    return (square - outside) / (square + outside + STILL)
 
 
 def edge_answer(eta2: Float[Array, "..."], radius: Float[Array, "..."] | ScalarLike) -> Float[Array, "..."]:
@@ -111,9 +112,10 @@ def jet_edges(
     * to the vortex that trails, `trailing_answer`;
     * to the bound vortices that end there, `bound_answer`.
 
-    Strengths are k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2) of every step, and what steps do to each other, see
-    `_interplay`. The downwash of other surfaces, whose vortices run through the jet far ahead and behind, hardly
-    changes across it: inside an edge it is k times more, outside k (R / y)^2.
+    Strengths are k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2) of every step. In planes across the jet steps also
+    answer to each other, see `_interplay`; the flow of bound vortices is not one of planes, and lift by them is within
+    3 % without that, 7 % too large with it. The downwash of other surfaces, whose vortices run through the jet far
+    ahead and behind, hardly changes across it: inside an edge it is k times more, outside k (R / y)^2.
 
     Source: Koning (see `reflection`) and Rethorst, Aerodynamics of Nonuniform Flows as Related to an Airfoil Extending
     through a Circular Jet, J. Aero. Sci. 25 (1958), for the problem. The forms here are integrals of first order;
@@ -131,21 +133,20 @@ def jet_edges(
         JetEdges.
 
     Validity: against boundary elements (`tests/physics/round_jet.py`), outer radius over chord 0.35 to 2, mu 0.9 to
-    1.5: total added lift within 5 %, anywhere within 10 % of its largest, also where the incidence changes within the
-    jet or is outside of it alone; wing near the axis, one chord across the jet.
+    1.5: total added lift within 3 %, anywhere within 5 % of its largest (camber 8 %); of incidence in a part of
+    the jet or outside of it alone within 5 % of what the whole wing gains; wing near the axis, one chord across the jet.
     """
-    outside = jnp.concatenate([excess[:, 1:], jnp.zeros_like(excess[:, :1])], axis=1)
-    k = ((excess - outside) / (2.0 + excess + outside))[:, None]
+    square = jnp.pad(1.0 + excess, ((0, 0), (0, 1)), constant_values=1.0)
+    k = reflection(square[:, :-1], square[:, 1:])[:, None]
     y, z, c, r = (a.reshape(a.shape[0], 1, -1) for a in (place, height, chord, radius))
     v = y + nodes[..., None]
     trailing, less_trailing = trailing_answer(y, v, z, radius=r, chord=c)
     bound, less_bound = bound_answer(y, v, z, radius=r, chord=c)
     trailing_k = k * _interplay(k, r, r**2 * _larger((v**2 + z**2) / r**2))
     even_k = k * _interplay(k, r, jnp.ones_like(r))
-    bound_k = k + BOUND_INTERPLAY * (even_k - k)
     return JetEdges(
-        -jnp.sum(trailing_k * trailing + bound_k * bound, axis=2),
-        jnp.sum(trailing_k * less_trailing + bound_k * less_bound, axis=2),
+        -jnp.sum(trailing_k * trailing + k * bound, axis=2),
+        jnp.sum(trailing_k * less_trailing + k * less_bound, axis=2),
         jnp.sum(even_k / _larger((y**2 + z**2) / r**2), axis=2)[:, 0],
     )
 

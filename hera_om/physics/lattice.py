@@ -190,6 +190,23 @@ def by_symmetry(
     return jnp.stack([even + odd, even - odd])
 
 
+def both_parts(values: Sequence[Array]) -> tuple[Array, Array | None]:
+    """Mirrored and reversed part of what two halves have; one half has no reversed part."""
+    if len(values) == 1:
+        return values[0], None
+    return (values[0] + values[1]) / 2, (values[0] - values[1]) / 2
+
+
+def induced(even: Array, odd: Array | None, gamma: Float[Array, "h n"]) -> Float[Array, "h *p"]:
+    """What circulations induce, by their influence in mirrored and in reversed flow."""
+    mirrored, reversed_ = both_parts(list(gamma))
+    if reversed_ is None:
+        return (even @ mirrored)[None]
+    assert odd is not None
+    one, other = even @ mirrored, odd @ reversed_
+    return jnp.stack([one + other, one - other])
+
+
 def present(lattice: Lattice, halves: Float[Array, "h n"]) -> Float[Array, "h n"]:
     """Values of panels, zero where the port half has none."""
     if lattice.whole is None or len(halves) == 1:

@@ -29,6 +29,8 @@ inner edge."""
 LOADING_CENTRE, LOADING_HALF_RANGE = 0.25, 0.95
 """Limits of v / (V + v) in the contraction: exact from -0.51 (windmilling at a = 0.34) to 1.01 (static), held
 within -0.7 and 1.2, so that the tube of a braking rotor widens to a finite radius."""
+LEAST_HUB = 1e-3
+"""Least radius of that edge over the rotor's, for blades that begin on the axis."""
 AXIS_CORE = 1e-6
 """Radius over rotor radius under which the distance from the axis is rounded off; the swirl is zero there."""
 
@@ -66,6 +68,11 @@ def _bend(t: Float[Array, "n k"]) -> Float[Array, "n k"]:
 def disk_mean(r: Float[Array, " nr"], values: Float[Array, " nr"], radius: ScalarLike) -> Float[Array, ""]:
     """Mean over the disk of a profile given at the mid-points of equal elements, nothing inside the hub."""
     return jnp.sum(values * r) * 2.0 * (r[1] - r[0]) / radius**2
+
+
+def hub_edge(r: Float[Array, " nr"], radius: ScalarLike) -> Float[Array, ""]:
+    """Inner edge of the innermost of equal elements with these mid-points."""
+    return jnp.maximum(r[0] - 0.5 * (r[1] - r[0]), LEAST_HUB * radius)
 
 
 def axial_development(x: Float[Array, "..."], radius: ScalarLike) -> Float[Array, "..."]:
@@ -326,7 +333,6 @@ def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array,
 
 def _tube_profile(r_disk, r, radius, edge_width, values: Float[Array, "nr k"]) -> Float[Array, "n k"]:
     """Profiles given at ``r``, fading to zero at the hub and at the edge."""
-    hub_edge = r[0] - 0.5 * (r[1] - r[0])
-    inner = smoothstep((r_disk / hub_edge - 1.0 + HUB_BLEND) / (2.0 * HUB_BLEND))
+    inner = smoothstep((r_disk / hub_edge(r, radius) - 1.0 + HUB_BLEND) / (2.0 * HUB_BLEND))
     outer = 1.0 - smoothstep((r_disk - radius) / edge_width + 0.5)
     return _profile(r_disk, r, values) * (inner * outer)[:, None]

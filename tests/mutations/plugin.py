@@ -225,7 +225,7 @@ MUTATIONS = {
         "answer of a jet's edges to the wing",
         ("finite_jet:edge_answer",),
         _nothing,
-        PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.03-0.04]",
+        PHYSICS + "test_round_jet.py::test_lift_of_a_wing_through_round_jets[shape2-0.5-1.2-0.04]",
         wrap=True,
     ),
     "trailing_unanswered": Mutation(

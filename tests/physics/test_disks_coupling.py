@@ -419,5 +419,17 @@ def test_upwash_of_others_turns_a_slipstream_as_incidence_does(w=0.02):
     assert np.all(np.abs(by_incidence) > 0.1 * v * w)
     jet = 1.0 + 2.0 * v
     contracted = rotors.radius[0] ** 2 * (1.0 + v) / jet
-    edges = w * np.array([2.0 * jet / (jet**2 + 1.0) - 1.0, float(reflection(jet) * contracted / 3.0**2)])
+    edges = w * np.array([2.0 * jet / (jet**2 + 1.0) - 1.0, float(reflection(jet**2) * contracted / 3.0**2)])
     np.testing.assert_allclose(by_others + edges, by_incidence, rtol=3.0 * v)
+
+
+def test_a_blade_that_begins_on_the_axis(at, root):
+    """Its innermost edge has no radius; by the strength of the slipstream and by the place of its axis."""
+    whole = rotor()._replace(hub_radius=jnp.zeros(1), r=rotor().r.at[0, 0].set(0.0))
+
+    def lifts(v):
+        there = at._replace(rotors=whole._replace(hub=whole.hub.at[0, 1:].add(v[1:])))
+        return respond((1.0 + v[0]) * root.flat, state(), there, PLAN).gamma[0]
+
+    slopes = jax.jit(jax.jacfwd(lifts))(jnp.zeros(3))
+    assert np.all(np.isfinite(slopes)) and np.all(np.max(np.abs(slopes), axis=0) > 1e-3)

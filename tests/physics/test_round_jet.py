@@ -1,6 +1,7 @@
 """A wing through round jets: boundary elements against closed forms, and `finite_jet` against them."""
 
 import importlib.util
+from functools import cache
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -37,7 +38,7 @@ def test_boundary_elements_against_the_closed_form_of_first_order(radius):
     """One panel along the chord: d = c / 2; 2 % are spent on the finite span."""
     jet = RoundJets([radius], chordwise=1)
     answer = np.sum(jet.answer([1.001])[1] * jet.width)
-    assert 2 * answer / float(fj.reflection(1.001)) == pytest.approx(-retaken(radius, 0.5), rel=0.025)
+    assert 2 * answer / float(fj.reflection(1.001**2)) == pytest.approx(-retaken(radius, 0.5), rel=0.025)
 
 
 def test_boundary_elements_against_the_plate():
@@ -83,52 +84,52 @@ def ours(jet, radii, speeds, **how):
 
 
 @pytest.mark.parametrize(
-    "shape,radius,mu,total,anywhere",
+    "shape,radius,mu,anywhere",
     [
-        (FULL, 0.35, 1.1, 0.03, 0.04),
-        (FULL, 0.5, 1.1, 0.03, 0.04),
-        (FULL, 0.5, 1.2, 0.03, 0.04),
-        (FULL, 0.5, 1.5, 0.03, 0.05),
-        (FULL, 1.0, 1.2, 0.03, 0.04),
-        (FULL, 2.0, 1.2, 0.03, 0.04),
-        (HOLLOW, 0.5, 1.2, 0.05, 0.05),
-        (HOLLOW, 1.0, 1.2, 0.05, 0.05),
-        (BLOWN, 0.5, 1.1, 0.05, 0.05),
-        (BLOWN, 0.5, 1.35, 0.05, 0.05),
-        (BLOWN, 1.0, 1.2, 0.05, 0.05),
+        (FULL, 0.35, 1.1, 0.04),
+        (FULL, 0.5, 1.1, 0.04),
+        (FULL, 0.5, 1.2, 0.04),
+        (FULL, 0.5, 1.5, 0.05),
+        (FULL, 1.0, 1.2, 0.04),
+        (FULL, 2.0, 1.2, 0.04),
+        (HOLLOW, 0.5, 1.2, 0.05),
+        (HOLLOW, 1.0, 1.2, 0.05),
+        (BLOWN, 0.5, 1.1, 0.05),
+        (BLOWN, 0.5, 1.35, 0.05),
+        (BLOWN, 1.0, 1.2, 0.05),
     ],
 )
-def test_lift_of_a_wing_through_round_jets(shape, radius, mu, total, anywhere):
+def test_lift_of_a_wing_through_round_jets(shape, radius, mu, anywhere):
     """Total of the added lift, and along the span over the largest: without the edges 12 to 90 % too much."""
     radii, speeds = profile(shape, radius, mu)
     jet = RoundJets(radii)
     found, exact, without = ours(jet, radii, speeds), jet.gain(speeds), jet.gain(speeds, edges=0.0)
-    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=total)
+    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.03)
     np.testing.assert_allclose(found, exact, atol=anywhere * np.max(exact))
     assert np.sum(without * jet.width) > 1.12 * np.sum(exact * jet.width)
 
 
 @pytest.mark.parametrize("half_span", [3.0, 6.0])
 @pytest.mark.parametrize(
-    "shape,radius,mu,anywhere",
+    "shape,radius,mu",
     [
-        (FULL, 0.35, 1.2, 0.05),
-        (FULL, 0.5, 1.1, 0.05),
-        (FULL, 0.5, 1.4, 0.05),
-        (FULL, 1.0, 1.2, 0.05),
-        (FULL, 2.0, 1.2, 0.05),
-        (BLOWN, 0.5, 1.1, 0.05),
-        (BLOWN, 0.5, 1.35, 0.05),
-        (BLOWN, 1.0, 1.2, 0.05),
+        (FULL, 0.35, 1.2),
+        (FULL, 0.5, 1.1),
+        (FULL, 0.5, 1.4),
+        (FULL, 1.0, 1.2),
+        (FULL, 2.0, 1.2),
+        (BLOWN, 0.5, 1.1),
+        (BLOWN, 0.5, 1.35),
+        (BLOWN, 1.0, 1.2),
     ],
 )
-def test_lift_of_a_finite_wing_through_round_jets(shape, radius, mu, anywhere, half_span):
+def test_lift_of_a_finite_wing_through_round_jets(shape, radius, mu, half_span):
     """Aspect ratios 6 and 12."""
     radii, speeds = profile(shape, radius, mu)
     jet = RoundJets(radii, half_span=half_span)
     exact, found = jet.gain(speeds), ours(jet, radii, speeds)
-    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.05)
-    np.testing.assert_allclose(found, exact, atol=anywhere * np.max(exact))
+    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.025)
+    np.testing.assert_allclose(found, exact, atol=0.045 * np.max(exact))
 
 
 @pytest.mark.parametrize("half_span", [None, 3.0])
@@ -138,8 +139,14 @@ def test_lift_of_a_cambered_wing_through_round_jets(shape, radius, mu, half_span
     radii, speeds = profile(shape, radius, mu)
     jet = RoundJets(radii, chordwise=8, half_span=half_span, normal=lambda x: 4.0 * x - 2.0)
     exact, found = jet.gain(speeds), ours(jet, radii, speeds)
-    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.05)
-    np.testing.assert_allclose(found, exact, atol=0.1 * np.max(exact))
+    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.035)
+    np.testing.assert_allclose(found, exact, atol=0.08 * np.max(exact))
+
+
+@cache
+def short_wing(radii):
+    """Aspect ratio 6, finer than the others."""
+    return RoundJets(radii, inside=16, half_span=3.0)
 
 
 PROPELLER = np.array([0.25, 0.35, 0.5, 0.65, 0.95, 1.0]), np.array([0.96, 1.08, 1.22, 1.30, 1.34, 1.2])
@@ -152,21 +159,20 @@ def test_lift_of_a_load_that_changes_within_a_jet(shape, where, middle, radius=0
     """Incidence in the middle alone (a nacelle, a flap that ends there), in the rest of the jet, outside of it.
 
     What each gains is a part of what the whole wing gains; with the answer to each strip's own circulation alone they
-    were wrong by up to 60 % of that.
+    were wrong by up to two thirds of that.
     """
     radii, speeds = radius * shape[0], shape[1]
-    jet = RoundJets(radii, inside=16, half_span=3.0)
+    jet = short_wing(tuple(radii))
     y = jet.middle / radius
     share = {"inside": y < middle, "from there to the edge": (y > middle) & (y < 1.0), "outside": y > 1.0}[where]
     exact, found = (
         np.sum(v * jet.width)
         for v in (jet.gain(speeds, where=share * 1.0), ours(jet, radii, speeds, where=share * 1.0))
     )
-    whole = jet.gain(speeds)
-    assert found == pytest.approx(exact, abs=0.07 * np.sum(whole * jet.width))
+    assert found == pytest.approx(exact, abs=0.05 * np.sum(jet.gain(speeds) * jet.width))
 
 
-@pytest.mark.parametrize("shape,anywhere", [(FULL, 0.03), (HOLLOW, 0.05), (BLOWN, 0.05)])
+@pytest.mark.parametrize("shape,anywhere", [(FULL, 0.03), (HOLLOW, 0.025), (BLOWN, 0.025)])
 @pytest.mark.parametrize("radius", [0.5, 1.0])
 def test_lift_by_swirl(shape, anywhere, radius, mu=1.2):
     """The edges answer to an odd load alike: a fifth is not there outside, a twentieth inside."""
