@@ -137,8 +137,7 @@ def turn(
 
         V_j delta = N / (rho A (V + v)) V_j^2 / (V_j^2 + V^2),    V delta = V / V_j times that, V_j = V + 2 v .
 
-    The thrust's part across the stream, T sin(alpha), turns the tube by the same law: to second order in v / V
-    that is `skew`.
+    The thrust's part across the stream turns the tube by the same law, see `tilt`.
 
     Source: Ribner, NACA Report 820 (1945), for the shares of tube and surroundings.
 
@@ -154,8 +153,33 @@ def turn(
     return rate * jet, rate * speed
 
 
+def tilt(
+    cross_stream: Float[Array, "3"] | ScalarLike, v_mean: ScalarLike, speed: ScalarLike
+) -> tuple[Float[Array, "3"] | Float[Array, ""], Float[Array, "3"] | Float[Array, ""]]:
+    """Velocity across the shaft far behind a disk in a stream with a part w across it: in the tube, and beside it.
+
+    The thrust has the part T w / V across the stream, which turns the tube away from its shaft's direction by the
+    angle delta of `turn`. Seen from the shaft the air of the tube then has V_j (w / V - delta) across it, and the
+    stream flows around a cylinder that it meets with V delta; more than w, and around it,
+
+        V q   and   V_j q,    q = 2 v w / (V_j^2 + V^2) .
+
+    Even rings parallel to the disk (Coleman) have v w / (V + v) for both, the same to first order in v / V.
+
+    Arguments:
+        cross_stream: velocity of the undisturbed stream across the shaft, m/s.
+        v_mean: mean induced axial velocity at the disk, m/s.
+        speed: axial speed of the stream, m/s.
+    """
+    jet = speed + 2.0 * v_mean
+    squares = jet**2 + jnp.square(speed)
+    positive = squares > 1e-9
+    rate = CROSSFLOW * jnp.where(positive, 2.0 * v_mean * cross_stream / jnp.where(positive, squares, 1.0), 0.0)
+    return rate * speed, rate * jet
+
+
 def crossflow(s2: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
-    """Velocity across a long skewed tube over the axial one at the disk: slope inside, a doublet's outside.
+    """Velocity across a long skewed tube over that which is added inside, the same around it: a doublet's outside.
 
     The rings stay parallel to the disk and blow along the shaft, 2 (axis - slope) seen from the tube; its walls
     hold back half of the part across. With s = r / R and the unit vector e away from the centre line, the field of a
@@ -207,8 +231,8 @@ def slipstream_velocity(
     and +v_axial just ahead: the velocity at the disk is v_axial, doubles behind, and on the axis of a uniform disk
     grows as 1 + x / sqrt(x^2 + R^2). Off the disk it is free of divergence and of vorticity and falls off as a
     sink's. Tip and root vortices leave no swirl ahead of the disk or outside the tube. In a stream at an angle to
-    the shaft the walls of the skewed tube add v_mean (1 + x / sqrt(x^2 + R^2)) / 2 times `crossflow`. A force across
-    the shaft adds half (1 + x / sqrt(x^2 + R^2)) times `turn`, the flow around a cylinder outside the tube.
+    the shaft the walls of the skewed tube add half (1 + x / sqrt(x^2 + R^2)) times `tilt`, and a force across the shaft
+    the same of `turn`, both with the flow around a cylinder outside the tube.
 
     Source: Branlard and Gaunaa, Wind Energy 18 (2015) 1973-1987 (tubes, root vortex); Conway, Journal of Fluid
     Mechanics 297 (1995) 327-355 (radial load); McCormick, Aerodynamics of V/STOL Flight (1967) (contraction).
@@ -241,8 +265,9 @@ def slipstream_velocity(
     amplitudes = ENTRAINMENT * disk_amplitudes(jnp.append(r - half, r[-1] + half), v_axial, radius)
     place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense, displaced)))
     inside, outside = (0.5 * jnp.broadcast_to(v, (3,)) for v in turn(cross_force, v_mean, speed))
-    push = CROSSFLOW * 0.5 * v_mean * slope
-    strength = _Strength(jnp.stack([v_axial, v_swirl], axis=1), amplitudes, push, inside, outside)
+    within, push = (0.5 * jnp.broadcast_to(v, (3,)) for v in tilt(cross_stream, v_mean, speed))
+    profiles = jnp.stack([v_axial, v_swirl], axis=1)
+    strength = _Strength(profiles, amplitudes, push, inside + within - push, outside)
     return _flow(place, _Shape(loading(v_mean, speed), slope), strength)
 
 
@@ -271,8 +296,8 @@ class _Strength(NamedTuple):
 
     profiles: Array  # axial and swirl velocity at the disk
     amplitudes: Array  # of the sinks
-    push: Array  # across the tube, of its walls
-    inside: Array  # across, by the force across the shaft: of the tube
+    push: Array  # across the tube, of its walls, as even rings have it
+    inside: Array  # across, by the force across the shaft: of the tube, with what it has not of the rings'
     outside: Array  # and of the cylinder that its surroundings flow around
 
 

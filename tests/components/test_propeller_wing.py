@@ -96,15 +96,15 @@ def model_II(reference):
 
 
 def model_II_rows(reference):
-    """Rows of the table: the slope of lift within 23 %, its value at 0 deg within 30 %, drag within 7 %."""
-    tolerances = {"change of CL at 0 deg": 0.30, "change of CL by deg": 0.23, "change of CD at 0 deg": 0.07}
+    """Rows of the table: the slope of lift within 19 %, its value at 0 deg within 30 %, drag within 7 %."""
+    tolerances = {"change of CL at 0 deg": 0.30, "change of CL by deg": 0.19, "change of CD at 0 deg": 0.07}
     source = "Sinnige et al. 2019, Model II"
     found = model_II(reference).items()
     return [(f"J = {J:.2f}", n, *v, tolerances[n], source) for (J, n), v in found if n in tolerances]
 
 
 def test_model_II(reference):
-    """Slopes over all incidences 5, 15 and 22 % too large (asked: 15 %), lift at 0 deg 15, 29 and 27 % too small
+    """Slopes over all incidences 3, 13 and 18 % too large (asked: 15 %), lift at 0 deg 16, 30 and 28 % too small
     (asked: 20 %), drag at 0 deg within 6 %. See docs/theory/rotors_and_slipstream.md.
     """
     hold(model_II_rows(reference))
