@@ -11,7 +11,7 @@ from hera_om.components.aero_outputs import Values
 from hera_om.components.aero_plan import COEFFICIENTS, TEXTS, AeroPlan
 from hera_om.components.aero_stages import RAD, READS, begin, conditions, stages
 from hera_om.components.base import JaxComponent, fill_partials
-from hera_om.physics.coupling import System
+from hera_om.physics.coupling import System, of_a_rotor
 from hera_om.physics.equilibrium import Known
 
 # What the factorised system reads, beside the disks and the Mach number.
@@ -61,6 +61,7 @@ class Aerodynamics(JaxComponent):
         """Assemble if geometry or Mach number have moved, then evaluate the state."""
         kept = self._state(self.values(inputs))
         self.store(kept.outputs, outputs)
+        self._within_range(kept)
         self.pressure = np.asarray(kept.pressure)
 
     def store(self, out: Values, outputs) -> None:
@@ -71,6 +72,18 @@ class Aerodynamics(JaxComponent):
                 f"{self.pathname}: lattice and rotors have not converged "
                 f"(residual {float(out['coupling_residual']):.1e} "
                 f"of the flight speed, limit {UNCONVERGED:.0e})"
+            )
+
+    def _within_range(self, kept: "State") -> None:
+        """Surfaces stand in no slipstream that is faster than the model holds for."""
+        rotors, found = self.statics.rotors, np.asarray(kept.known.root.flat)
+        if rotors is None or kept.system.lattice is None or not found.size:
+            return
+        fastest = 1.0 + 2.0 * np.max(found.reshape(-1, of_a_rotor(rotors))[:, : rotors.radial])
+        if fastest > FASTEST:
+            raise om.AnalysisError(
+                f"{self.pathname}: slipstreams have {fastest:.1f} times the flight speed, limit {FASTEST:g}: "
+                "fly faster or with less thrust"
             )
 
     def compute_partials(self, inputs, partials) -> None:
@@ -143,6 +156,7 @@ class State(NamedTuple):
 
 
 UNCONVERGED = 1e-9  # of the flight speed: residual of the coupling above which an analysis has failed
+FASTEST = 3.0  # times the flight speed: speed of a slipstream beyond which `finite_jet` is useless
 KEPT = 4
 _systems: OrderedDict[Any, System] = OrderedDict()
 _states: OrderedDict[Any, State] = OrderedDict()

@@ -15,6 +15,9 @@ BOUND_CENTRE = 0.6
 """Place along the wing whose bound vortices count most for another, over the distance of that from the axis."""
 BOUND_MIDDLE = (0.53, 7.0)
 """Least answer to bound vortices about the middle of the chord over that about the quarter point, and how soon."""
+BOUND_INTERPLAY = 0.25
+"""Share of what edges do to each other that counts for bound vortices, whose flow is not one of planes across the jet
+(choice, by boundary elements: lift of layered jets within 1.5 % to mu = 1.35, 7 % at 2; 0 and 0.5 are twice as far)."""
 LEG_REACH = (1.7, 0.2)
 LEG_SHARE = 0.5
 """Fits to how far behind the lift an edge has its whole answer to what trails, and to its mean over a plate."""
@@ -112,10 +115,9 @@ def jet_edges(
     * to the vortex that trails, `trailing_answer`;
     * to the bound vortices that end there, `bound_answer`.
 
-    Strengths are k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2) of every step. In planes across the jet steps also
-    answer to each other, see `_interplay`; the flow of bound vortices is not one of planes, and lift by them is within
-    3 % without that, 7 % too large with it. The downwash of other surfaces, whose vortices run through the jet far
-    ahead and behind, hardly changes across it: inside an edge it is k times more, outside k (R / y)^2.
+    Strengths are k = (mu_in^2 - mu_out^2) / (mu_in^2 + mu_out^2) of every step, and steps answer to each other, see
+    `_together`. The downwash of other surfaces, whose vortices run through the jet far ahead and behind, hardly
+    changes across it: inside an edge it is k times more, outside k (R / y)^2.
 
     Source: Koning (see `reflection`) and Rethorst, Aerodynamics of Nonuniform Flows as Related to an Airfoil Extending
     through a Circular Jet, J. Aero. Sci. 25 (1958), for the problem. The forms here are integrals of first order;
@@ -133,20 +135,24 @@ def jet_edges(
         JetEdges.
 
     Validity: against boundary elements (`tests/physics/round_jet.py`), outer radius over chord 0.35 to 2, mu 0.9 to
-    1.5: total added lift within 3 %, anywhere within 5 % of its largest (camber 8 %); of incidence in a part of
-    the jet or outside of it alone within 5 % of what the whole wing gains; wing near the axis, one chord across the jet.
+    1.5: total added lift within 3 %, anywhere within 5 % of its largest (camber 8 %); of incidence in a part of the jet
+    or outside of it alone within 6 % of what the whole wing gains. At mu = 2 total 7 %, anywhere 10 %; beyond 3
+    useless. Wing near the axis, one chord across the jet.
     """
     square = jnp.pad(1.0 + excess, ((0, 0), (0, 1)), constant_values=1.0)
-    k = reflection(square[:, :-1], square[:, 1:])[:, None]
+    k = reflection(square[:, :-1], square[:, 1:])
+    among, bound_among = _together(k, radius), _together(k, radius, BOUND_INTERPLAY)
     y, z, c, r = (a.reshape(a.shape[0], 1, -1) for a in (place, height, chord, radius))
     v = y + nodes[..., None]
     trailing, less_trailing = trailing_answer(y, v, z, radius=r, chord=c)
     bound, less_bound = bound_answer(y, v, z, radius=r, chord=c)
-    trailing_k = k * _interplay(k, r, r**2 * _larger((v**2 + z**2) / r**2))
-    even_k = k * _interplay(k, r, jnp.ones_like(r))
+    away = r**2 * _larger((v**2 + z**2) / r**2)
+    trailing_k = away * jnp.einsum("nij,nuj->nui", among, 1.0 / away)
+    even_k = jnp.sum(among, axis=2)[:, None]
+    bound_k = jnp.sum(bound_among, axis=2)[:, None]
     return JetEdges(
-        -jnp.sum(trailing_k * trailing + k * bound, axis=2),
-        jnp.sum(trailing_k * less_trailing + k * less_bound, axis=2),
+        -jnp.sum(trailing_k * trailing + bound_k * bound, axis=2),
+        jnp.sum(trailing_k * less_trailing + bound_k * less_bound, axis=2),
         jnp.sum(even_k / _larger((y**2 + z**2) / r**2), axis=2)[:, 0],
     )
 
@@ -216,16 +222,17 @@ def _larger(square: Float[Array, "..."]) -> Float[Array, "..."]:
     return 0.5 * (1.0 + square + jnp.sqrt((square - 1.0) ** 2 + EDGE_ROUNDING**2))
 
 
-def _interplay(
-    k: Float[Array, "n 1 s"], r: Float[Array, "n 1 s"], square: Float[Array, "n _ s"]
-) -> Float[Array, "n _ s"]:
-    """What an edge answers by its own strength alone, times this, is what it answers among the others.
+def _together(k: Float[Array, "n s"], r: Float[Array, "n s"], share: float = 1.0) -> Float[Array, "n s s"]:
+    """Answers of edges among each other to the normal velocity n that each meets, of flow that is even across the jet.
 
-    To first order in what they do to each other, of flow that is even across the jet: an edge adds k inside, and
-    outside takes k (R / y)^2 of the normal velocity. ``square`` is the larger of R^2 and the vortex's place squared,
-    by which the velocity that an edge meets falls off; the same for all edges if the vortex is far away.
+    An edge adds its answer to the normal velocity inside and takes (R / y)^2 of it outside; with ``share`` of that,
+
+        s_i = k_i (n_i + sum_(j > i) s_j - sum_(j < i) (R_j / R_i)^2 s_j) .
+
+    Returns:
+        s by n.
     """
-    around, within = k / square, k * r**2 / square
-    around = jnp.sum(around, axis=2, keepdims=True) - jnp.cumsum(around, axis=2)
-    within = jnp.cumsum(within, axis=2) - within
-    return 1.0 + square * (around - within / r**2)
+    i, one = jnp.arange(k.shape[1]), jnp.eye(k.shape[1])
+    within = -((r[:, None, :] / r[:, :, None]) ** 2)
+    others = jnp.where(i[:, None] < i, 1.0, jnp.where(i[:, None] > i, within, 0.0))
+    return jnp.linalg.solve(one - share * k[:, :, None] * others, one * k[:, None, :])

@@ -178,6 +178,17 @@ def test_an_unconverged_coupling_is_an_error(flown, monkeypatch):
         problem.run_model()
 
 
+def test_slipstreams_too_fast_for_the_model_are_an_error(flown):
+    """Short of the limit all is finite; a take-off run from standstill is not for this model."""
+    _, problem, _ = flown
+    mach = float(problem.get_val("mach").item())
+    problem.set_val("mach", 0.02)
+    with pytest.raises(om.AnalysisError, match=r"slipstreams have \d+\.\d times the flight speed, limit 3"):
+        problem.run_model()
+    problem.set_val("mach", mach)
+    problem.run_model()
+
+
 # --- compilation
 
 

@@ -243,8 +243,8 @@ MUTATIONS = {
     ),
     "steps_apart": Mutation(
         "what edges do to each other",
-        ("finite_jet:_interplay",),
-        lambda old: lambda k, r, square: old(0.0 * k, r, square),
+        ("finite_jet:_together",),
+        lambda old: lambda k, r, share=1.0: old(k, r, 0.0),
         PHYSICS + "test_finite_jet.py::test_steps_in_a_row_answer_as_one_to_what_is_far_away",
         wrap=True,
     ),

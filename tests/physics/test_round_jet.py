@@ -132,6 +132,16 @@ def test_lift_of_a_finite_wing_through_round_jets(shape, radius, mu, half_span):
     np.testing.assert_allclose(found, exact, atol=0.045 * np.max(exact))
 
 
+@pytest.mark.parametrize("shape,radius", [(FULL, 0.5), (FULL, 1.0), (HOLLOW, 0.5), (BLOWN, 0.5), (BLOWN, 1.0)])
+def test_lift_of_a_wing_through_jets_of_twice_the_speed(shape, radius):
+    """The largest ratio that is worth having: at four layered jets are up to a third off."""
+    radii, speeds = profile(shape, radius, 2.0)
+    jet = RoundJets(radii, half_span=6.0)
+    exact, found = jet.gain(speeds), ours(jet, radii, speeds)
+    assert np.sum(found * jet.width) == pytest.approx(np.sum(exact * jet.width), rel=0.08)
+    np.testing.assert_allclose(found, exact, atol=0.1 * np.max(exact))
+
+
 @pytest.mark.parametrize("half_span", [None, 3.0])
 @pytest.mark.parametrize("shape,radius,mu", [(FULL, 0.5, 1.1), (FULL, 0.5, 1.25), (FULL, 1.0, 1.2), (BLOWN, 0.5, 1.35)])
 def test_lift_of_a_cambered_wing_through_round_jets(shape, radius, mu, half_span):
@@ -169,7 +179,7 @@ def test_lift_of_a_load_that_changes_within_a_jet(shape, where, middle, radius=0
         np.sum(v * jet.width)
         for v in (jet.gain(speeds, where=share * 1.0), ours(jet, radii, speeds, where=share * 1.0))
     )
-    assert found == pytest.approx(exact, abs=0.05 * np.sum(jet.gain(speeds) * jet.width))
+    assert found == pytest.approx(exact, abs=0.06 * np.sum(jet.gain(speeds) * jet.width))
 
 
 @pytest.mark.parametrize("shape,anywhere", [(FULL, 0.03), (HOLLOW, 0.025), (BLOWN, 0.025)])
