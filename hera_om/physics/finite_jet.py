@@ -232,7 +232,14 @@ def _together(k: Float[Array, "n s"], r: Float[Array, "n s"], share: float = 1.0
     Returns:
         s by n.
     """
-    i, one = jnp.arange(k.shape[1]), jnp.eye(k.shape[1])
+    count = k.shape[1]
+    i, one = jnp.arange(count), jnp.eye(count)
     within = -((r[:, None, :] / r[:, :, None]) ** 2)
     others = jnp.where(i[:, None] < i, 1.0, jnp.where(i[:, None] > i, within, 0.0))
-    return jnp.linalg.solve(one - share * k[:, :, None] * others, one * k[:, None, :])
+    rows = jnp.concatenate([one - share * k[:, :, None] * others, one * k[:, None, :]], axis=2)
+    # Gauss and Jordan without pivots, as every leading part is the system of fewer edges: LAPACK on batches within a
+    # loop can stop XLA's threads for good.
+    for p in range(count):
+        pivot = rows[:, p] / rows[:, p, p, None]
+        rows = (rows - rows[:, :, p, None] * pivot[:, None]).at[:, p].set(pivot)
+    return rows[:, :, count:]
