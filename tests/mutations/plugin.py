@@ -281,7 +281,18 @@ MUTATIONS = {
         0.0,
         PHYSICS + "test_rotor_measured.py::test_naca_propeller[25-0.7-0.006-0.006]",
     ),
-    "skew_off": Mutation("turn of slipstreams to the stream", ("slipstream:SKEW",), 0.0, TUNNEL + "test_model_II"),
+    "skew_off": Mutation(
+        "turn of the slipstream's middle towards the stream",
+        ("slipstream:SKEW",),
+        0.0,
+        PHYSICS + "test_slipstream.py::test_the_tube_follows_the_stream_and_turns_with_it",
+    ),
+    "crossflow_off": Mutation(
+        "turn of the air in a slipstream at an angle to its shaft",
+        ("slipstream:CROSSFLOW",),
+        0.0,
+        TUNNEL + "test_model_II",
+    ),
     "senses_swapped": Mutation(
         "names of the senses of rotation",
         ("rotor_blade:SENSES",),
