@@ -66,8 +66,8 @@ between 0 and 2, at 5 degrees its ΔL/D lies beyond 4 and its ΔT between 2 and 
 wing's thickness, which slows the disks alike at any incidence, and upwash, which grows with incidence; at fixed pitch
 either counts the more the less the rotors are loaded. What the thickness gives to the thrust it takes from L/D, as drag
 in the pressure of the slipstream. ΔCZ_α and ΔCm_α are mostly forces at the hubs, normal to the shafts and ahead of
-the centre of gravity: the split by part shows that what slipstreams do to surfaces is near the paper's changes, the
-forces of the rotors themselves are beyond them.
+the centre of gravity: the split by part shows that what slipstreams do to surfaces is a third to a half of the paper's
+changes, the forces of the rotors themselves are beyond them.
 """
 TAIL = """\
 The tail stands at z = {z:g} m, above the slipstreams of rotors on a wing at {wing:g} m. Height alone changes size and

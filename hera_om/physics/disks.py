@@ -69,9 +69,9 @@ def wake_behind(
     """What rotors with such loads (forces in geometry axes) leave behind.
 
     What surfaces and others do at a disk (``turned``, velocity over the flight speed) gives the air a slope there that
-    the thrust, along the shaft, takes part of away: w across the shaft acts as a force rho A (V + v) (V / V_j)
-    (V_j - V) w. The potential is continuous through the disk, so that behind it V_j phi inside less V phi outside
-    of the tube is (V_j - V) times that at the disk; the stream's own part is `slipstream.crossflow`.
+    the thrust, along the shaft, takes part of away: w across the shaft acts as a force
+    rho A (V + v) (V / V_j) (V_j - V) w. The potential is continuous through the disk, so that behind it V_j phi inside
+    less V phi outside of the tube is (V_j - V) times that at the disk; the stream's own part is `slipstream.tilt`.
     """
     axes = shaft_axes(rotors.incidence)
     force = jnp.einsum("hmi,mji->hmj", loads.force, axes[:, 1:])

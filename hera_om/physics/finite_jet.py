@@ -17,7 +17,8 @@ BOUND_MIDDLE = (0.53, 7.0)
 """Least answer to bound vortices about the middle of the chord over that about the quarter point, and how soon."""
 BOUND_INTERPLAY = 0.25
 """Share of what edges do to each other that counts for bound vortices, whose flow is not one of planes across the jet
-(choice, by boundary elements: lift of layered jets within 1.5 % to mu = 1.35, 7 % at 2; 0 and 0.5 are twice as far)."""
+(choice, by boundary elements: lift of layered jets within 1.5 % to mu = 1.35, 7 % at 2; with 0 within 3.5 and 13 %,
+with 0.5 within 3.5 and 10 %)."""
 LEG_REACH = (1.7, 0.2)
 LEG_SHARE = 0.5
 """Fits to how far behind the lift an edge has its whole answer to what trails, and to its mean over a plate."""

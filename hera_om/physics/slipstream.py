@@ -158,13 +158,15 @@ def tilt(
 ) -> tuple[Float[Array, "3"] | Float[Array, ""], Float[Array, "3"] | Float[Array, ""]]:
     """Velocity across the shaft far behind a disk in a stream with a part w across it: in the tube, and beside it.
 
-    The thrust has the part T w / V across the stream, which turns the tube away from its shaft's direction by the
-    angle delta of `turn`. Seen from the shaft the air of the tube then has V_j (w / V - delta) across it, and the
-    stream flows around a cylinder that it meets with V delta; more than w, and around it,
+    The thrust has the part T w / V across the stream, which turns the tube from the stream towards the shaft by the
+    angle delta of `turn`. Across the shaft the air of the tube then has V_j (w / V - delta), and the stream flows
+    around a cylinder that it meets with V delta. What that is more than w in the tube, and what flows around it, is
 
         V q   and   V_j q,    q = 2 v w / (V_j^2 + V^2) .
 
     Even rings parallel to the disk (Coleman) have v w / (V + v) for both, the same to first order in v / V.
+
+    Source: Ribner, as in `turn`, for the shares; momentum for the rest.
 
     Arguments:
         cross_stream: velocity of the undisturbed stream across the shaft, m/s.
@@ -296,8 +298,8 @@ class _Strength(NamedTuple):
 
     profiles: Array  # axial and swirl velocity at the disk
     amplitudes: Array  # of the sinks
-    push: Array  # across the tube, of its walls, as even rings have it
-    inside: Array  # across, by the force across the shaft: of the tube, with what it has not of the rings'
+    push: Array  # across the tube, of its walls: as much inside as around it
+    inside: Array  # across, of the tube: by the force across the shaft, and what walls add inside over that around it
     outside: Array  # and of the cylinder that its surroundings flow around
 
 

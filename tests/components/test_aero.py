@@ -179,7 +179,7 @@ def test_an_unconverged_coupling_is_an_error(flown, monkeypatch):
 
 
 def test_slipstreams_too_fast_for_the_model_are_an_error(flown):
-    """Short of the limit all is finite; a take-off run from standstill is not for this model."""
+    """A take-off run from standstill is not for this model; the component goes on where it is."""
     _, problem, _ = flown
     mach = float(problem.get_val("mach").item())
     problem.set_val("mach", 0.02)
