@@ -35,7 +35,7 @@ Lateral derivatives in the default convention, not held: AVL puts no force on ch
 carry one, and with it roll by sideslip grows with lift, as it does on real wings.
 """
 BLOWN = """What propellers add to wings in wind tunnels. The tolerances are what is reached, not what was wished: see
-`docs/theory/rotors_and_slipstream.md`, which also has the loads along the span (Model I, DUST).
+`docs/theory/rotors_and_slipstream.md`, which also has the loads along the span (Model I, DUST) and what isolates their causes.
 """
 LINE = "| {} | {} | {:.6g} | {:.6g} | {:+.2f} % | {} | {:.2g} % |"
 
@@ -101,7 +101,8 @@ def document() -> str:
     page += ["## Unsteady flow", ""]
     page += table(unsteady.theodorsen_rows(REFERENCE))
     page += ["## Propellers and wings", "", BLOWN]
-    page += table([*blown.model_II_rows(REFERENCE), *blown.prowim_rows(REFERENCE)])
+    tunnels = (blown.model_II_rows, blown.model_II_tip_rows, blown.model_I_rows, blown.prowim_rows)
+    page += table([row for rows in tunnels for row in rows(REFERENCE)])
     page += ["## Mutations", "", "`make mutations` switches each effect off and sees its test fail.", ""]
     page += mutations(load(ROOT / "tests" / "mutations" / "plugin.py"))
     return "\n".join(page)

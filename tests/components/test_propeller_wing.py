@@ -16,6 +16,7 @@ from hera_om.components.aero import Aerodynamics
 RAD = np.pi / 180
 J_II = {2: 0.9956, 3: 0.8962, 4: 0.7963, 5: 0.6970}  # polars of both TU Delft files
 DIAMETER, SPEED_II = 0.237, 40.0
+SENSES = "inboard-up", "outboard-up"
 LOW, HIGH = -4.0, 8.0  # deg, ends of the slope
 
 
@@ -61,46 +62,85 @@ def sections(problem):
     return problem["y_span"], problem["strip_force"][:, 2] / (q * 0.24 * np.diff(edges))
 
 
-# --- TU Delft Model II: the balance, over incidence and advance ratio
+# --- TU Delft, three layouts on the balance, over incidence and advance ratio
 
 
-def model_II(reference):
-    """(advance ratio, quantity) -> measured and ours: what the propeller adds at 0 deg, and by degree of incidence."""
-    aircraft = definition(reference, "tud_model_II")
-    measured = {}
-    for row in read(reference / "propwing_tud_modelII_conventional_Re640k.csv"):
-        at = (int(row["polar"]), round(float(row["AoA_deg"])))
-        measured[at] = np.array([float(row["CL"]), float(row["CD"])])
+def polars(path):
+    """(advance ratio as set, incidence) -> lift and drag coefficients; J is infinite without propeller."""
+    return {
+        (round(float(r["J"]), 1), round(float(r["AoA_deg"]))): np.array([float(r["CL"]), float(r["CD"])])
+        for r in read(path)
+    }
 
-    def change(run):
-        value = {alpha: run(alpha) for alpha in (LOW, 0.0, HIGH)}
-        return value[0.0], (value[HIGH] - value[LOW]) / (HIGH - LOW)
 
-    bare, out = at_speed(aircraft, 0.0), {}
-    for polar in (3, 4, 5):
-        powered = at_speed(aircraft, 60.0 * SPEED_II / (J_II[polar] * DIAMETER))
+def changes(measured, aircraft, ratios, delta=None):
+    """(advance ratio, quantity) -> measured and ours: what the propeller adds at 0 deg, and by degree of incidence.
 
-        def ours(alpha, powered=powered):
-            on, off = (balance(solved(a, alpha=alpha), alpha) for a in (powered, bare))
-            return np.subtract(on, off)
+    ``ratios`` are those set and those of the runs, to their four digits.
+    """
+    values = {} if delta is None else {"delta_f": delta}
+    bare, speed, out = at_speed(aircraft, 0.0), aircraft.flight.speed_m_s, {}
 
-        # at J = 0.7 the file begins at -3 deg
-        here = {a: measured.get((polar, a)) for a in (LOW, 0.0, HIGH)}
-        if here[LOW] is None:
-            here[LOW] = 2 * measured[polar, -3] - measured[polar, -2]
-        theirs = change(lambda a, here=here: here[a] - measured[1, a])
-        mine = change(ours)
-        for name, t, m in zip(("at 0 deg", "by deg"), theirs, mine, strict=True):
-            out |= {(J_II[polar], f"change of {c} {name}"): (t[i], m[i]) for i, c in enumerate(("CL", "CD"))}
+    def added(powered, alpha):
+        on, off = (balance(solved(a, lateral=delta is not None, alpha=alpha, **values), alpha) for a in (powered, bare))
+        return np.subtract(on, off)
+
+    for setting, J in ratios.items():
+        powered = at_speed(aircraft, 60.0 * speed / (J * DIAMETER))
+        theirs = {a: measured[setting, a] - measured[np.inf, a] for a in (LOW, 0.0, HIGH)}
+        mine = {a: added(powered, a) for a in (LOW, 0.0, HIGH)}
+        for i, c in enumerate(("CL", "CD")):
+            out[J, f"change of {c} at 0 deg"] = theirs[0.0][i], mine[0.0][i]
+            out[J, f"change of {c} by deg"] = tuple((v[HIGH][i] - v[LOW][i]) / (HIGH - LOW) for v in (theirs, mine))
     return out
 
 
+def rows_of(found, tolerances, source):
+    """Rows of a table for what has a tolerance, by quantity or by advance ratio and quantity."""
+    held = [(J, n, v, tolerances.get((round(J, 1), n), tolerances.get(n))) for (J, n), v in found.items()]
+    return [(f"J = {J:.2f}", n, *v, tolerance, source) for J, n, v, tolerance in held if tolerance]
+
+
 def model_II_rows(reference):
-    """Rows of the table: the slope of lift within 19 %, its value at 0 deg within 30 %, drag within 7 %."""
+    """Propeller before the wing: slope of lift within 19 %, its value at 0 deg within 30 %, drag within 7 %."""
+    measured = polars(reference / "propwing_tud_modelII_conventional_Re640k.csv")
+    measured.setdefault((0.7, LOW), 2 * measured[0.7, -3] - measured[0.7, -2])  # its polar begins at -3 deg
+    found = changes(measured, definition(reference, "tud_model_II"), {0.9: 0.8962, 0.8: 0.7963, 0.7: 0.6970})
     tolerances = {"change of CL at 0 deg": 0.30, "change of CL by deg": 0.19, "change of CD at 0 deg": 0.07}
-    source = "Sinnige et al. 2019, Model II"
-    found = model_II(reference).items()
-    return [(f"J = {J:.2f}", n, *v, tolerances[n], source) for (J, n), v in found if n in tolerances]
+    return rows_of(found, tolerances, "Sinnige et al. 2019, Model II")
+
+
+def model_II_tip_rows(reference):
+    """The same wing with the propeller at its tip, to twice the thrust."""
+    aircraft = definition(reference, "tud_model_II")
+    section = (aircraft.wing.section[0], aircraft.wing.section[1].model_copy(update={"y_m": 0.730}))
+    moved = {
+        # friction as there, but of this layout: lift measured at 0 deg without propeller
+        "wing": aircraft.wing.model_copy(update={"section": section, "incidence_deg": -0.639}),
+        "rotor": (aircraft.rotor[0].model_copy(update={"y_m": 0.695}),),
+        "flight": aircraft.flight.model_copy(update={"speed_m_s": 28.0}),
+    }
+    ratios = {0.8: 0.7967, 0.7: 0.6971, 0.6: 0.5978, 0.5: 0.4984}
+    measured = polars(reference / "propwing_tud_modelII_tip_Re450k.csv")
+    found = changes(measured, aircraft.model_copy(update=moved), ratios)
+    at_0 = "change of CL at 0 deg"
+    tolerances = {(0.8, at_0): 0.36, at_0: 0.08, "change of CL by deg": 0.16, "change of CD at 0 deg": 0.08}
+    return rows_of(found, tolerances, "Sinnige et al. 2019, Model II, tip-mounted")
+
+
+def model_I_rows(reference):
+    """A symmetric wing with a flap, propeller at its tip."""
+    aircraft = definition(reference, "tud_model_I")
+    found = changes(
+        polars(reference / "propwing_tud_modelI_CL_CD.csv"),
+        aircraft,
+        {0.9: 0.8962, 0.8: 0.7963, 0.7: 0.6970},
+        aircraft.flight.delta_f_deg,
+    )
+    at_0 = "change of CL at 0 deg"
+    by_deg = "change of CL by deg"
+    tolerances = {(0.9, at_0): 0.22, at_0: 0.08, (0.9, by_deg): 0.21, by_deg: 0.11, "change of CD at 0 deg": 0.08}
+    return rows_of(found, tolerances, "Sinnige et al. 2019, Model I")
 
 
 def test_model_II(reference):
@@ -108,6 +148,15 @@ def test_model_II(reference):
     (asked: 20 %), drag at 0 deg within 6 %. See docs/theory/rotors_and_slipstream.md.
     """
     hold(model_II_rows(reference))
+
+
+def test_model_II_with_the_propeller_at_its_tip(reference):
+    """Nothing was taken from this file but the lift without propeller."""
+    hold(model_II_tip_rows(reference))
+
+
+def test_balance_of_model_I(reference):
+    hold(model_I_rows(reference))
 
 
 def hold(rows):
@@ -119,11 +168,13 @@ def hold(rows):
 # --- TU Delft Model I: pressures at eight stations
 
 
-def model_I(reference):
+def model_I(reference, sense="inboard-up"):
     """(advance ratio, stations over the semispan, measured change of cl, ours)."""
-    rows = [[float(v) for v in row.values()] for row in read(reference / "propwing_tud_modelI_cl_inboardup.csv")]
+    path = reference / f"propwing_tud_modelI_cl_{sense.replace('-', '')}.csv"
+    rows = [[float(v) for v in row.values()] for row in read(path)]
     polars = {int(p): np.array([r[3:] for r in rows if r[0] == p]) for p in {r[0] for r in rows}}
     aircraft = definition(reference, "tud_model_I")
+    aircraft = aircraft.model_copy(update={"rotor": (aircraft.rotor[0].model_copy(update={"sense": sense}),)})
     flap = aircraft.flight.delta_f_deg
 
     def cl(rpm):
@@ -140,16 +191,30 @@ def model_I(reference):
 def test_model_I(reference):
     """Change of cl at eight stations and four advance ratios: 30 of 32 within 20 % or 0.02.
 
-    Two of the four at 0.96 of the radius, on the edge of the slipstream, are not: there two thirds of the load are
-    ours.
+    The others: 21 % at the station next to the nacelle at J = 0.8, and a third too much 7 mm outside of the disk at
+    J = 0.7.
     """
     found = model_I(reference)
     off = np.concatenate([np.abs(m - t) - 0.2 * np.abs(t) for _, _, t, m in found])
     small = np.concatenate([np.abs(m - t) for _, _, t, m in found])
-    edge = np.concatenate([np.isclose(y, 0.6105) for _, y, _, _ in found])
     inside = (off <= 0.0) | (small <= 0.02)
-    assert np.all(inside | edge) and np.sum(~inside) <= 2
+    assert np.sum(~inside) <= 2
+    assert np.all(inside | (small <= 0.032))
     assert max(np.max(t) for _, _, t, _ in found) > 0.2  # the stations that are held do move
+
+
+def test_model_I_in_both_senses(reference):
+    """What changes with the sense of rotation is the swirl's: within 20 % or 0.02, but for the station 7 mm outside.
+
+    What does not, the flap's lift in faster air, is two fifths smaller than measured; a quarter even without edges,
+    where the swirl's part would be 25 to 50 % too large.
+    """
+    edge = 3
+    for (J, _, *up), (_, _, *down) in zip(*(model_I(reference, sense) for sense in SENSES), strict=True):
+        (swirl, ours), (axial, our_axial) = ((np.array(up) + sign * np.array(down)) / 2 for sign in (-1, 1))
+        off, less = np.abs(ours - swirl), np.abs(our_axial - axial)
+        assert np.all(np.delete((off <= 0.2 * np.abs(swirl)) | (off <= 0.02), edge)), J
+        assert np.all(np.delete((less <= 0.45 * axial) | (less <= 0.02), edge)), J
 
 
 # --- PROWIM: balance and pressures

@@ -220,6 +220,9 @@ MUTATIONS = {
     "swirl_flipped_before_dust": Mutation(
         "sign of the swirl", SLIPSTREAMS, _mirrored_swirl, TUNNEL + "test_the_dipole_of_dust", wrap=True
     ),
+    "finite_jet_off_in_both_senses": Mutation(
+        "edges of the jets", ("coupling:FINITE_JET",), 0.0, TUNNEL + "test_model_I_in_both_senses"
+    ),
     "finite_jet_off": Mutation("edges of the jets", ("coupling:FINITE_JET",), 0.0, TUNNEL + "test_model_II"),
     "edges_unanswered": Mutation(
         "answer of a jet's edges to the wing",
