@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.custom_derivatives import SymbolicZero
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Bool, Float
 
@@ -377,6 +378,10 @@ class _Jet(NamedTuple):
 @jax.custom_jvp
 def _edges(jet: _Jet, met: _Met) -> JetEdges:
     """Edges of one slipstream at strips."""
+    return _raw_edges(jet, met)
+
+
+def _raw_edges(jet: _Jet, met: _Met) -> JetEdges:
     speed = met.axis @ jet.wind
     offset = met.point - met.hub
     x = offset @ met.axis
@@ -393,12 +398,21 @@ def _edges(jet: _Jet, met: _Met) -> JetEdges:
     )
 
 
-@_edges.defjvp
-def _edges_jvp(primals, tangents):
-    """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them."""
-    (jet, met), (d_jet, d_met) = primals, tangents
-    found, moved = jax.jvp(lambda m: _edges.fun(jet, m), (met,), (d_met,))
+def _edges_rule(primals, tangents):
+    """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them; geometry where it moves."""
+    jet, met = primals
+    still = [isinstance(t, SymbolicZero) for t in tangents[1]]
+    d_jet, d_met = (
+        type(p)(*[jnp.zeros_like(v) if isinstance(t, SymbolicZero) else t for v, t in zip(p, d, strict=True)])
+        for p, d in zip(primals, tangents, strict=True)
+    )
     numbers, unpack = ravel_pytree(jet)
-    slopes = jax.jacfwd(lambda v: _edges.fun(unpack(v), met))(numbers)
-    change = ravel_pytree(d_jet)[0]
-    return found, jax.tree.map(lambda m, s: m + s @ change, moved, slopes)
+    slopes = jax.jacfwd(lambda v: _raw_edges(unpack(v), met))(numbers)
+    change = jax.tree.map(lambda s: s @ ravel_pytree(d_jet)[0], slopes)
+    if all(still):
+        return _raw_edges(jet, met), change
+    found, moved = jax.jvp(lambda m: _raw_edges(jet, m), (met,), (d_met,))
+    return found, jax.tree.map(jnp.add, moved, change)
+
+
+_edges.defjvp(_edges_rule, symbolic_zeros=True)
