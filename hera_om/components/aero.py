@@ -11,6 +11,7 @@ from hera_om.components.aero_outputs import Values
 from hera_om.components.aero_plan import COEFFICIENTS, TEXTS, AeroPlan
 from hera_om.components.aero_stages import RAD, READS, begin, conditions, stages
 from hera_om.components.base import JaxComponent, fill_partials
+from hera_om.core.programs import in_background
 from hera_om.physics.coupling import System, of_a_rotor
 from hera_om.physics.equilibrium import Known
 
@@ -57,6 +58,20 @@ class Aerodynamics(JaxComponent):
         if self.statics.model.lateral:
             begin(self.options["aircraft"])
 
+    def begin_partials(self) -> None:
+        """Start on assembly and state too, since derivatives are taken where these have been found."""
+        values = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
+        compiled, given = stages(self.statics.model.lateral), (*self._static(), self.base, self.constants)
+        columns = self._columns(values)
+
+        def work() -> None:
+            system = compiled.assemble.begin(*given, values)
+            _, known = compiled.settle.begin(*given, system, values, compiled.root.begin(*given, system, values))
+            tangents = compiled.by_system.begin(*self._static(), columns[1], *given[3:], values)
+            compiled.by_input.begin(*self._static(), *columns, *given[3:], system, known, values, tangents)
+
+        in_background(work)
+
     def compute(self, inputs, outputs) -> None:
         """Assemble if geometry or Mach number have moved, then evaluate the state."""
         kept = self._state(self.values(inputs))
@@ -93,11 +108,8 @@ class Aerodynamics(JaxComponent):
         if self.states_only:
             self._balances(partials, kept)
             return
-        compiled = stages(self.statics.model.lateral)
-        names = tuple(sorted(self._var_rel_names["output"]))
-        fixed = self._fixed_names()
-        moving = tuple(n for n in sorted(values) if n not in fixed)
-        static = self._static()
+        compiled, static = stages(self.statics.model.lateral), self._static()
+        names, fixed, moving = self._columns(values)
         tangents = _keep(
             _tangents,
             (*self._system_key(values), fixed),
@@ -116,6 +128,11 @@ class Aerodynamics(JaxComponent):
             for i, group in enumerate(self.statics.groups):
                 members = self.statics.running(i, 1)
                 partials[f"thrust_{group}", wrt] = float(np.mean(np.asarray(kept.thrust_by)[members, column])) * RAD
+
+    def _columns(self, values: Values) -> tuple[tuple[str, ...], ...]:
+        """Outputs, inputs that the factorised system depends on, and the other inputs."""
+        names, fixed = tuple(sorted(self._var_rel_names["output"])), self._fixed_names()
+        return names, fixed, tuple(n for n in sorted(values) if n not in fixed)
 
     def _fixed_names(self) -> tuple[str, ...]:
         """Inputs that the factorised system depends on."""

@@ -12,7 +12,7 @@ from hera_om.components import arrays
 from hera_om.components.aero_outputs import Values, named
 from hera_om.components.aero_plan import AeroPlan
 from hera_om.components.structure import Structure, number_array, variables_under
-from hera_om.core.programs import FAST, LEAN, Program, in_background, jitted, kept
+from hera_om.core.programs import FAST, LEAN, Program, in_background, kept
 from hera_om.physics.aero_cases import Body
 from hera_om.physics.aerodynamics import evaluate
 from hera_om.physics.aeroelastic import lift_by_twist
@@ -112,12 +112,9 @@ def begin(aircraft) -> None:
 
 @lru_cache(maxsize=2)
 def stages(once: bool) -> Stages:
-    """The stages; ``once``: for conditions that are analysed one by one, with their code kept on disk, see `VALUES`."""
-    assemble, root, settled, finish = [
-        Program(f, 3, options) if once else jitted(f, (0, 1, 2)) for f, options in VALUES.items()
-    ]
-    by_system, by_input = jitted(_by_system, (0, 1, 2, 3)), jitted(_by_input, (0, 1, 2, 3, 4, 5))
-    return Stages(assemble, root, settled, finish, by_system, by_input)
+    """The stages; ``once``: for conditions that are analysed one by one, see `VALUES`."""
+    assemble, root, settled, finish = [Program(f, 3, options if once else LEAN) for f, options in VALUES.items()]
+    return Stages(assemble, root, settled, finish, Program(_by_system, 4), Program(_by_input, 6))
 
 
 def _definition(structure: Structure, paths, base, inputs: Values):

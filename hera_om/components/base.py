@@ -12,7 +12,7 @@ from jax.flatten_util import ravel_pytree
 
 from hera_om.aircraft.definition import Aircraft
 from hera_om.components.structure import Structure, number_array, variables_under
-from hera_om.core.programs import Program, in_background, jitted, kept
+from hera_om.core.programs import Program, in_background, kept
 from hera_om.core.registry import quantity
 
 Values = dict[str, Any]
@@ -54,9 +54,8 @@ class JaxComponent(om.ExplicitComponent):
         self.paths: dict[str, str] = {}
         self._add_variables(aircraft)
         self.declare()
-        smooth = [name for name in self._var_rel_names["output"] if name not in self.PIECEWISE]
-        if self._var_rel_names["input"] and smooth:
-            self.declare_partials(smooth, "*")
+        if self._var_rel_names["input"] and self._smooth():
+            self.declare_partials(list(self._smooth()), "*")
         if kept():
             self.begin()
 
@@ -65,6 +64,12 @@ class JaxComponent(om.ExplicitComponent):
         inputs = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
         function, static = self.call()[0], (self.structure, self.statics, tuple(self.paths.items()))
         in_background(lambda: function.begin(*static, self.base, self.constants, inputs))
+
+    def begin_partials(self) -> None:
+        """The same for what `compute_partials` will ask for."""
+        inputs = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
+        jacobian, args = self._partials_call(inputs)
+        in_background(lambda: jacobian.begin(*args))
 
     def _add_variables(self, aircraft: Aircraft) -> None:
         """Make the design variables that this component reads its inputs."""
@@ -117,14 +122,20 @@ class JaxComponent(om.ExplicitComponent):
     def compute_partials(self, inputs, partials) -> None:
         """Exact dense partials by forward or reverse mode, whichever has fewer passes."""
         values = self.values(inputs)
+        jacobian, args = self._partials_call(values)
+        fill_partials(partials, np.asarray(jacobian(*args)), self._smooth(), values, self._outputs)
+
+    def _partials_call(self, values: Values) -> tuple[Program, tuple[Any, ...]]:
+        """The Jacobian of fewer passes, and its arguments."""
         _, forward, reverse = self.call()
-        n_in = sum(v.size for v in values.values())
-        names = tuple(name for name in self._var_rel_names["output"] if name not in self.PIECEWISE)
+        n_in, names = sum(v.size for v in values.values()), self._smooth()
         n_out = sum(self._var_rel2meta[name]["size"] for name in names)
-        jac = forward if n_in <= n_out else reverse
-        args = (self.structure, self.statics, tuple(self.paths.items()), names)
-        matrix = np.asarray(jac(*args, self.base, self.constants, values))
-        fill_partials(partials, matrix, names, values, self._outputs)
+        static = (self.structure, self.statics, tuple(self.paths.items()), names)
+        return forward if n_in <= n_out else reverse, (*static, self.base, self.constants, values)
+
+    def _smooth(self) -> tuple[str, ...]:
+        """Outputs that have derivatives."""
+        return tuple(name for name in self._var_rel_names["output"] if name not in self.PIECEWISE)
 
 
 def fill_partials(partials, matrix: np.ndarray, names, values: Mapping[str, np.ndarray], outputs) -> None:
@@ -157,7 +168,8 @@ def _compiled(evaluate):
 
             return mode(flat_run)(flat)
 
-        return jitted(matrix, (0, 1, 2, 3))
+        matrix.__module__, matrix.__qualname__ = evaluate.__module__, f"{evaluate.__qualname__}, {mode.__name__}"
+        return Program(matrix, 4)
 
-    run.__module__, run.__qualname__ = evaluate.__module__, evaluate.__qualname__  # names of the kept program
+    run.__module__, run.__qualname__ = evaluate.__module__, evaluate.__qualname__  # names of the kept programs
     return Program(run, 3), jacobian(jax.jacfwd), jacobian(jax.jacrev)

@@ -9,7 +9,9 @@ import numpy as np
 import openmdao.api as om
 
 from hera_om.aircraft import Aircraft, definition_hash, variable_box
+from hera_om.components.base import JaxComponent
 from hera_om.core.errors import AnalysisFailure
+from hera_om.core.programs import kept
 from hera_om.models.cases import GOALS, MDO_GOAL, Goal, Limit, mdo_limits
 from hera_om.models.problems import DRIVERS, build_mdo, set_start
 from hera_om.models.trimmed import has_box
@@ -75,6 +77,10 @@ def run(
         AnalysisFailure: the baseline cannot be analysed, or all attempts ended in failures.
     """
     problem.final_setup()
+    if kept():
+        components: Any = problem.model.system_iter(recurse=True, typ=JaxComponent)
+        for component in components:
+            component.begin_partials()
     aircraft: Aircraft = problem.model.options["aircraft"]
     limits, goal = mdo_limits(has_box(aircraft)), GOALS[next(iter(problem.model.get_objectives()))]
     rows = [
