@@ -35,7 +35,8 @@ Lateral derivatives in the default convention, not held: AVL puts no force on ch
 carry one, and with it roll by sideslip grows with lift, as it does on real wings.
 """
 BLOWN = """What propellers add to wings in wind tunnels. The tolerances are what is reached, not what was wished: see
-`docs/theory/rotors_and_slipstream.md`, which also has the loads along the span (Model I, DUST) and what isolates their causes.
+`docs/theory/rotors_and_slipstream.md`, which also has the loads along the span (Model I, DUST) and
+what isolates their causes.
 """
 LINE = "| {} | {} | {:.6g} | {:.6g} | {:+.2f} % | {} | {:.2g} % |"
 
