@@ -27,8 +27,7 @@ class Aerodynamics(JaxComponent):
     cheap.
 
     With the option ``lateral`` both halves of the aircraft are solved: sideslip, roll and yaw rate, aileron and
-    rudder become inputs, side force, rolling and yawing moment and all derivatives by them outputs. Without the option
-    ``by_state`` derivatives of coefficients are no outputs, and gradients cost a fraction.
+    rudder become inputs, side force, rolling and yawing moment and all derivatives by them outputs.
 
     While `states_only` is set, `compute_partials` fills in only what a trim needs, the balances by incidence,
     elevator and blade pitch, from derivatives that `compute` has found anyway. `pressure` holds what the last
@@ -42,7 +41,6 @@ class Aerodynamics(JaxComponent):
         """Declare options."""
         super().initialize()
         self.options.declare("lateral", types=bool, default=False, desc="whether the two halves may differ")
-        self.options.declare("by_state", types=bool, default=True, desc="whether derivatives by the state are outputs")
 
     def declare(self) -> None:
         """Condition and controls in; coefficients, derivatives, rotors and loads out."""
@@ -52,10 +50,8 @@ class Aerodynamics(JaxComponent):
         for name, value in conditions(aircraft, self.statics).items():
             self.add(name, val=value)
         self.add("load_factor", val=1.0, desc="load factor; beyond 1 a steady pull-up adds its pitch rate to q_hat")
-        left_out = () if self.options["by_state"] else self.statics.derivatives
         for name, shape in self.statics.outputs(aircraft).items():
-            if name not in left_out:
-                self.add(name, shape=shape, **TEXTS.get(name, {}))
+            self.add(name, shape=shape, **TEXTS.get(name, {}))
 
     def begin(self) -> None:
         """Start on single conditions, whose code is kept."""

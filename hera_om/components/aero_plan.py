@@ -92,12 +92,6 @@ class AeroPlan:
         return COEFFICIENTS + LATERAL if self.model.lateral else COEFFICIENTS
 
     @property
-    def derivatives(self) -> tuple[str, ...]:
-        """Names of outputs that are derivatives by the state."""
-        whole = (f"{c}_{by}" for c in self.coefficients for by in self.by)
-        return (*whole, *(f"{c}_{PARTS_BY}" for c in self.split))
-
-    @property
     def split(self) -> tuple[str, ...]:
         """The coefficients that are given by part: single conditions alone, optimisations have no use for them."""
         return tuple(c for c in self.coefficients if c not in ("CL", "CD")) if self.model.lateral else ()

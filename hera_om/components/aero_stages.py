@@ -26,7 +26,7 @@ from hera_om.physics.coupling import (
     split_factors,
     wind,
 )
-from hera_om.physics.equilibrium import Equilibrium, Known, Root, carried, find_root, moved, settle
+from hera_om.physics.equilibrium import Equilibrium, Known, Root, carried, find_root, settle
 from hera_om.physics.performance import pull_up_rate
 
 RAD = np.pi / 180
@@ -193,11 +193,10 @@ def _by_input(structure, statics, paths, names, fixed, moving, base, constants, 
         here = inputs | dict(zip(order, v, strict=True))
         system = join_factors(varying, factors)
         x, at, _ = _setting(_definition(structure, paths, base, here), statics, system, here)
-        found = follow(known, x, at, statics.rotors)
+        found = carried(known, x, at, statics.rotors)
         out = _finish(structure, statics, paths, base, constants, system, here, found).outputs
         return ravel_pytree({n: out[n] for n in names})[0]
 
-    follow = moved if set(names).isdisjoint(statics.derivatives) else carried  # at several times the cost
     order = (*fixed, *moving)
     varying, factors = split_factors(system)
     start, basis = jnp.stack([jnp.asarray(inputs[n]) for n in order]), jnp.eye(len(order))

@@ -37,12 +37,11 @@ class TrimPoint(om.Group):
         self.options.declare("aero", default="lattice", desc="'lattice', or a SurrogateSet that replaces it")
         self.options.declare("powered", types=bool, default=True, desc="balance thrust too, by blade pitch")
         self.options.declare("load_factor", types=float, default=1.0, desc="load factor")
-        self.options.declare("by_state", types=bool, default=True, desc="see `Aerodynamics`")
 
     def setup(self) -> None:
         """Two components and Newton's method."""
         aircraft = self.options["aircraft"]
-        aero = aerodynamics(aircraft, self.options["aero"], self.options["by_state"])
+        aero = aerodynamics(aircraft, self.options["aero"])
         within = known_box(self.options["aero"])
         self.balance = TrimBalance(aircraft=aircraft, powered=self.options["powered"], within=within)
         self.add_subsystem("aero", aero, promotes=["*"])
@@ -60,10 +59,10 @@ def known_box(aero: Aero) -> Bounds:
     return dict(zip(aero.input_names, zip(map(float, aero.lower), map(float, aero.upper), strict=True), strict=True))
 
 
-def aerodynamics(aircraft: Aircraft, aero: Aero, by_state: bool = True):
+def aerodynamics(aircraft: Aircraft, aero: Aero):
     """The lattice, or the surrogate that stands in for it."""
     if isinstance(aero, str):
-        return Aerodynamics(aircraft=aircraft, by_state=by_state)
+        return Aerodynamics(aircraft=aircraft)
     from hera_om.components.surrogate import SurrogateAerodynamics
 
     return SurrogateAerodynamics(aircraft=aircraft, surrogate=aero)
@@ -111,8 +110,7 @@ class TrimmedAircraft(om.Group):
     def _point(self, name: str, aero, *, mass: str, powered: bool, load_factor: float) -> None:
         """A trim point; only the cruise's outputs are promoted."""
         aircraft = self.options["aircraft"]
-        how = {"powered": powered, "load_factor": load_factor, "by_state": name == "cruise"}
-        point = TrimPoint(aircraft=aircraft, aero=aero, **how)
+        point = TrimPoint(aircraft=aircraft, aero=aero, powered=powered, load_factor=load_factor)
         shared = ["mach", "altitude", "x_cg", "z_cg", "q_hat", *aero_variables(aircraft)]
         if not powered:
             shared += [f"theta_{r.name}" for r in aircraft.rotor]

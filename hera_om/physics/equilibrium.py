@@ -116,36 +116,22 @@ def carried(known: Known, x: Controls, at: Setting, plan: RotorPlan | None) -> E
     One Newton step for the unknowns and one for their derivatives by the state: the values stay what they are, the
     derivatives become exact (implicit function theorem), at the cost of a pass for each entry of the state.
     """
-    inverse, (first, unpack) = known.inverse, as_vector(x)
-    flat, whole = _moved(known, x, at, plan)
+    root, inverse = known.root, known.inverse
+    flat = root.flat - inverse @ (respond(root.flat, x, at, plan, root.phi).flat - root.flat)
+    first, unpack = as_vector(x)
+
+    def whole(flat, v):
+        x = unpack(v)
+        each = washes(flat, x, at, plan, filaments=True)
+        return respond(flat, x, at, plan, root.phi, wash=None if each is None else together(each))
 
     def along(d_flat, d_state):
-        return jax.jvp(lambda flat, v: whole(flat, unpack(v)), (flat, first), (d_flat, d_state))
+        return jax.jvp(whole, (flat, first), (d_flat, d_state))
 
     answer, by = jax.vmap(along, in_axes=1, out_axes=(None, -1))(known.shift, jnp.eye(first.shape[0]))
     step = inverse @ (by.flat - known.shift)
     by = jax.tree.map(lambda d, slope: d - slope @ step, by, known.by_unknowns)
     return Equilibrium(answer, by, jnp.max(jnp.abs(answer.flat - flat), initial=0.0))
-
-
-def moved(known: Known, x: Controls, at: Setting, plan: RotorPlan | None) -> Equilibrium:
-    """As `carried`, for those who need no derivatives by the state: what stands for them is nothing."""
-    flat, whole = _moved(known, x, at, plan)
-    answer = whole(flat, x)
-    none = jax.tree.map(lambda v: jnp.zeros((*v.shape, known.shift.shape[1])), answer)
-    return Equilibrium(answer, none, jnp.max(jnp.abs(answer.flat - flat), initial=0.0))
-
-
-def _moved(known: Known, x: Controls, at: Setting, plan: RotorPlan | None):
-    """The unknowns after a Newton step, and the answer with what slipstreams do at the filaments."""
-    root = known.root
-    flat = root.flat - known.inverse @ (respond(root.flat, x, at, plan, root.phi).flat - root.flat)
-
-    def whole(flat, x):
-        each = washes(flat, x, at, plan, filaments=True)
-        return respond(flat, x, at, plan, root.phi, wash=None if each is None else together(each))
-
-    return flat, whole
 
 
 def linearised(root: Root, x: Controls, at: Setting, plan: RotorPlan | None) -> tuple[Response, Response]:
