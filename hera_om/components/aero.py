@@ -60,7 +60,7 @@ class Aerodynamics(JaxComponent):
 
     def begin_partials(self) -> None:
         """Start on assembly and state too, since derivatives are taken where these have been found."""
-        values = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
+        values = self.declared()
         compiled, given = stages(self.statics.model.lateral), (*self._static(), self.base, self.constants)
         columns = self._columns(values)
 

@@ -61,14 +61,13 @@ class JaxComponent(om.ExplicitComponent):
 
     def begin(self) -> None:
         """Start to load or compile what `compute` will ask for; a fault waits for the asking."""
-        inputs = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
+        inputs = self.declared()
         function, static = self.call()[0], (self.structure, self.statics, tuple(self.paths.items()))
         in_background(lambda: function.begin(*static, self.base, self.constants, inputs))
 
     def begin_partials(self) -> None:
         """The same for what `compute_partials` will ask for."""
-        inputs = self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
-        jacobian, args = self._partials_call(inputs)
+        jacobian, args = self._partials_call(self.declared())
         in_background(lambda: jacobian.begin(*args))
 
     def _add_variables(self, aircraft: Aircraft) -> None:
@@ -93,6 +92,10 @@ class JaxComponent(om.ExplicitComponent):
         """Inputs as float64 arrays by name (Python floats would retrace), single numbers without an axis."""
         arrays = {name: np.asarray(inputs[name], float) for name in self._var_rel_names["input"]}
         return {name: a.reshape(()) if a.size == 1 else a for name, a in arrays.items()}
+
+    def declared(self) -> Values:
+        """`values` of the inputs as they were declared."""
+        return self.values({name: self._var_rel2meta[name]["val"] for name in self._var_rel_names["input"]})
 
     def call(self):
         """The compiled function and its compiled Jacobian."""

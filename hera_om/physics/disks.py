@@ -21,6 +21,7 @@ from hera_om.physics.slipstream import (
     disk_mean,
     displacement,
     hub_edge,
+    instantiated,
     loading,
     skew,
     slipstream_velocity,
@@ -402,10 +403,7 @@ def _edges_rule(primals, tangents):
     """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them; geometry where it moves."""
     jet, met = primals
     still = [isinstance(t, SymbolicZero) for t in tangents[1]]
-    d_jet, d_met = (
-        type(p)(*[jnp.zeros_like(v) if isinstance(t, SymbolicZero) else t for v, t in zip(p, d, strict=True)])
-        for p, d in zip(primals, tangents, strict=True)
-    )
+    d_jet, d_met = instantiated(primals, tangents)
     numbers, unpack = ravel_pytree(jet)
     slopes = jax.jacfwd(lambda v: _raw_edges(unpack(v), met))(numbers)
     change = jax.tree.map(lambda s: s @ ravel_pytree(d_jet)[0], slopes)

@@ -309,14 +309,19 @@ def _flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array, "n 
     return _raw_flow(place, shape, strength)
 
 
+def instantiated(primals, tangents):
+    """Tangents of named tuples with zeros where a rule of derivatives is handed symbolic ones."""
+    return tuple(
+        type(p)(*[jnp.zeros_like(v) if isinstance(t, SymbolicZero) else t for v, t in zip(p, d, strict=True)])
+        for p, d in zip(primals, tangents, strict=True)
+    )
+
+
 def _flow_rule(primals, tangents):
     """Linear in the strength; slopes by the four numbers of the shape once for all; the place only where it moves."""
     place, shape, strength = primals
     is_zero = [isinstance(t, SymbolicZero) for t in tangents[0]]
-    d_place, d_shape, d_strength = (
-        type(p)(*[jnp.zeros_like(v) if isinstance(t, SymbolicZero) else t for v, t in zip(p, d, strict=True)])
-        for p, d in zip(primals, tangents, strict=True)
-    )
+    d_place, d_shape, d_strength = instantiated(primals, tangents)
     numbers, unravel = ravel_pytree(shape)
     slopes = jax.jacfwd(lambda v: _raw_flow(place, unravel(v), strength))(numbers)
     change = _raw_flow(place, shape, d_strength) + slopes @ ravel_pytree(d_shape)[0]

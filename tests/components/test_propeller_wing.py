@@ -65,7 +65,7 @@ def sections(problem):
 # --- TU Delft, three layouts on the balance, over incidence and advance ratio
 
 
-def polars(path):
+def coefficients(path):
     """(advance ratio as set, incidence) -> lift and drag coefficients; J is infinite without propeller."""
     return {
         (round(float(r["J"]), 1), round(float(r["AoA_deg"]))): np.array([float(r["CL"]), float(r["CD"])])
@@ -103,7 +103,7 @@ def rows_of(found, tolerances, source):
 
 def model_II_rows(reference):
     """Propeller before the wing: slope of lift within 19 %, its value at 0 deg within 30 %, drag within 7 %."""
-    measured = polars(reference / "propwing_tud_modelII_conventional_Re640k.csv")
+    measured = coefficients(reference / "propwing_tud_modelII_conventional_Re640k.csv")
     measured.setdefault((0.7, LOW), 2 * measured[0.7, -3] - measured[0.7, -2])  # its polar begins at -3 deg
     found = changes(measured, definition(reference, "tud_model_II"), {0.9: 0.8962, 0.8: 0.7963, 0.7: 0.6970})
     tolerances = {"change of CL at 0 deg": 0.30, "change of CL by deg": 0.19, "change of CD at 0 deg": 0.07}
@@ -121,7 +121,7 @@ def model_II_tip_rows(reference):
         "flight": aircraft.flight.model_copy(update={"speed_m_s": 28.0}),
     }
     ratios = {0.8: 0.7967, 0.7: 0.6971, 0.6: 0.5978, 0.5: 0.4984}
-    measured = polars(reference / "propwing_tud_modelII_tip_Re450k.csv")
+    measured = coefficients(reference / "propwing_tud_modelII_tip_Re450k.csv")
     found = changes(measured, aircraft.model_copy(update=moved), ratios)
     at_0 = "change of CL at 0 deg"
     tolerances = {(0.8, at_0): 0.36, at_0: 0.08, "change of CL by deg": 0.16, "change of CD at 0 deg": 0.08}
@@ -132,7 +132,7 @@ def model_I_rows(reference):
     """A symmetric wing with a flap, propeller at its tip."""
     aircraft = definition(reference, "tud_model_I")
     found = changes(
-        polars(reference / "propwing_tud_modelI_CL_CD.csv"),
+        coefficients(reference / "propwing_tud_modelI_CL_CD.csv"),
         aircraft,
         {0.9: 0.8962, 0.8: 0.7963, 0.7: 0.6970},
         aircraft.flight.delta_f_deg,
@@ -156,6 +156,7 @@ def test_model_II_with_the_propeller_at_its_tip(reference):
 
 
 def test_balance_of_model_I(reference):
+    """Nothing was taken from this file."""
     hold(model_I_rows(reference))
 
 
