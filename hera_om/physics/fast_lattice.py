@@ -1,6 +1,7 @@
 """The vortex-ring lattice in blocks: both symmetries from one pass of the kernel, no stored velocities.
 
-The model is that of `lattice` (Katz & Plotkin, Low-Speed Aerodynamics 2e, chapter 12; Prandtl-Glauert as in
+`lattice` takes its influence from here; the rest stands on its own, for solutions of many right-hand sides. The model
+is that of `lattice` (Katz & Plotkin, Low-Speed Aerodynamics 2e, chapter 12; Prandtl-Glauert as in
 AVL; wake along x; starboard half and its image). What differs is the arrangement:
 
 * A velocity is own(p) + s mirror(own(mirrored p)), s = 1 in mirrored flow and -1 in reversed flow: one pass of
@@ -33,8 +34,6 @@ from hera_om.physics.vortex_kernel import AT_END, FOUR_PI, ON_FILAMENT, Arms, Fi
 BLOCK = 96
 EVEN, ODD = (1.0, 1.0), (1.0, -1.0)
 """Weights of a half and of its image in mirrored and in reversed flow."""
-OWN, IMAGE = (1.0, 0.0), (0.0, 1.0)
-"""Weights that keep the half and its image apart."""
 MIRRORS = ((1.0, 1.0, 1.0), (1.0, -1.0, 1.0))
 
 
@@ -90,15 +89,6 @@ def influence(
 
     out = _map_blocks(block, jnp.concatenate([points[:, None], directions], axis=1))
     return tuple(m.reshape(-1, *m.shape[2:]) for m in out)
-
-
-def ring_velocities(
-    points: Float[Array, "p 3"], surfaces: Sequence[Panels], beta
-) -> tuple[Float[Array, "p 3 n"], Float[Array, "p 3 n"]]:
-    """Velocity vectors per unit ring circulation, as `lattice.ring_velocities`: own, and of the mirror image."""
-    axes = jnp.broadcast_to(jnp.eye(3), (points.shape[0], 3, 3))
-    own, image = influence(points, axes, [s.rings for s in surfaces], beta=beta, mixtures=(OWN, IMAGE))
-    return own[: len(points)], image[: len(points)]
 
 
 def induced(

@@ -23,6 +23,7 @@ import numpy as np
 from jax.scipy.linalg import lu_factor, lu_solve
 from jaxtyping import Array, Float
 
+from hera_om.physics.fast_lattice import EVEN, ODD, influence
 from hera_om.physics.geometry import Panels, between
 from hera_om.physics.layout import PLANE, SINGLE
 from hera_om.physics.vortex_kernel import Arms, Filaments, arms, kernels
@@ -112,8 +113,8 @@ def assemble(
     everywhere = jnp.concatenate([collocation, points, extra])
     owners = None if components is None else _owners(surfaces, components, extra.shape[0])
     beta = prandtl_glauert(mach)
-    own, image = ring_velocities(everywhere, surfaces, beta, owners, _direction(wake_angle, beta))
-    even, odd = own + image, own - image if lateral else None
+    even, *reversed_part = _influence(everywhere, surfaces, beta, owners, wake_angle, lateral=lateral)
+    odd = reversed_part[0] if lateral else None
     plane = marked(surfaces, kinds, PLANE)
     mirrored_flow = _half(even, normal, e, jnp.diag(jnp.asarray(plane)) if plane.any() else None)
     reversed_flow = None
@@ -236,6 +237,17 @@ def _owners(surfaces: Sequence[Panels], components: Sequence[int], others: int) 
     panels = np.repeat(components, [a * b for a, b in cuts])
     filaments = np.repeat(components, [a * b + a * (b + 1) for a, b in cuts])
     return Owners(np.concatenate([panels, filaments, np.full(others, -1)]), tuple(components))
+
+
+def _influence(points, surfaces: Sequence[Panels], beta, owners: Owners | None, angle, *, lateral: bool):
+    """Velocities [p 3 n] per unit ring circulation in mirrored flow and, if wanted, in reversed flow."""
+    if owners is None and angle is None:
+        axes = jnp.broadcast_to(jnp.eye(3), (points.shape[0], 3, 3))
+        mixtures = (EVEN, ODD) if lateral else (EVEN,)
+        out = influence(points, axes, [s.rings for s in surfaces], beta=beta, mixtures=mixtures)
+        return [v[: points.shape[0]] for v in out]
+    own, image = ring_velocities(points, surfaces, beta, owners, _direction(angle, beta))
+    return [own + image, own - image]
 
 
 def ring_velocities(
