@@ -236,8 +236,8 @@ def flow_coefficients(polar: PolarInFlow, alpha: Field) -> tuple[Field, Field]:
     alpha = alpha - turn * jnp.floor(lax.stop_gradient(alpha - polar.alpha[0]) / turn)
     i = jnp.searchsorted(polar.alpha, lax.stop_gradient(alpha), side="right", method="scan_unrolled") - 1
     t = alpha - polar.alpha[i]
-    power = jnp.sum(polar.rows[polar.first + i] * polar.weights[..., None, :], axis=-1)
-    cl, cd = (power[..., f] + t * (power[..., f + 1] + t * (power[..., f + 2] + t * power[..., f + 3])) for f in (0, 4))
+    power = jnp.einsum("rpfk,rpk->frp", polar.rows[polar.first + i], polar.weights)
+    cl, cd = (power[f] + t * (power[f + 1] + t * (power[f + 2] + t * power[f + 3])) for f in (0, 4))
     return cl, cd
 
 

@@ -205,12 +205,12 @@ def _hub_loads(
     blade: Blade, thrust_span: Field, drag_span: Field, sense: ScalarLike
 ) -> tuple[Float[Array, "3"], Float[Array, "3"]]:
     """Force and moment on the aircraft by all blades, from their loads per span averaged over the azimuth."""
-    npsi = thrust_span.shape[1]
-    psi, r = azimuths(npsi), _column(blade.r)
-    y, z = jnp.cos(psi), jnp.sin(psi)
-    thrust, drag = _column(blade.dr) / npsi * thrust_span, _column(blade.dr) / npsi * drag_span
-    force = [-jnp.sum(thrust), sense * jnp.sum(drag * z), -sense * jnp.sum(drag * y)]
-    moment = [-sense * jnp.sum(r * drag), -jnp.sum(r * thrust * z), jnp.sum(r * thrust * y)]
+    psi = azimuths(thrust_span.shape[1])
+    # products, not sums: XLA would repeat all that leads to the loads for each of them
+    shape = jnp.stack([jnp.ones_like(psi), jnp.cos(psi), jnp.sin(psi)], axis=1) / len(psi)
+    (thrust, thrust_y, thrust_z), (drag, drag_y, drag_z) = (blade.dr * (v @ shape).T for v in (thrust_span, drag_span))
+    force = [-jnp.sum(thrust), sense * jnp.sum(drag_z), -sense * jnp.sum(drag_y)]
+    moment = [-sense * (blade.r @ drag), -(blade.r @ thrust_z), blade.r @ thrust_y]
     return jnp.stack(force), jnp.stack(moment)
 
 
@@ -298,6 +298,7 @@ def solve_rotor(
     thrust_span, drag_span = pressure * load.normal, pressure * load.tangential
     force, moment = _hub_loads(blade, n_blades * thrust_span, n_blades * drag_span, sense)
     thrust, torque = -force[0], -sense * moment[0]
+    mean = jnp.full(npsi, 1.0 / npsi)
     turning = jnp.asarray(omega, dtype=float) != 0.0
     turns = jnp.where(turning, omega, 1.0) / (2.0 * jnp.pi)
     unit = jnp.where(turning, density * turns**2 * (2.0 * radius) ** 4, jnp.inf)
@@ -310,8 +311,8 @@ def solve_rotor(
         power=torque * omega,
         CT=thrust / unit,
         CP=2.0 * jnp.pi * torque / (unit * 2.0 * radius),
-        v_axial=jnp.mean(load.loss * (speed * load.sine - axial), axis=1),
-        v_swirl=jnp.mean(load.loss * (tangential - speed * load.cosine), axis=1),
+        v_axial=load.loss * (speed * load.sine - axial) @ mean,
+        v_swirl=load.loss * (tangential - speed * load.cosine) @ mean,
         blade_thrust=thrust_span,
         blade_torque=_column(blade.r) * drag_span,
         tip_mach=tip_speed / sound_speed,
