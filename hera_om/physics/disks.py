@@ -42,6 +42,8 @@ INFLOW_TURN = 1.0
 """Share of the turn of slipstreams by what other parts do at the disk; 0 leaves that of the stream."""
 STEPS = 4
 """Steps of the profile of a slipstream as its edges answer (choice)."""
+STRIPS_BLOCK, POINTS_BLOCK = 16, 240
+"""Most strips and points taken together: what many derivatives at once need of them then stays in the cache."""
 GAUSS_POINTS = (-0.5 * 0.6**0.5, 0.0, 0.5 * 0.6**0.5)
 GAUSS_WEIGHTS = (5 / 18, 8 / 18, 5 / 18)
 
@@ -261,7 +263,7 @@ def slipstreams(
 
     mirror = jnp.asarray(MIRROR)
     both = (points, smeared), (points * mirror, smeared)
-    own, other = _seen(one, rotors, plan, wake, *both, winds=winds)
+    own, other = _seen(one, rotors, plan, wake, *both, winds=winds, block=POINTS_BLOCK)
     return _by_halves(plan, own, other * mirror, len(winds))
 
 
@@ -280,7 +282,9 @@ class _Slipstream(NamedTuple):
     wind: Array
 
 
-def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple, image: tuple, *, winds: Float[Array, "h 3"]):
+def _seen(
+    one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple, image: tuple, *, winds: Float[Array, "h 3"], block: int
+):
     """``one`` of every slipstream of every half [h m n ...], at places and at their images in the plane of symmetry.
 
     ``one(*at, slipstream)`` has a row for each of the n places that the arrays of ``at`` describe.
@@ -294,9 +298,20 @@ def _seen(one, rotors: Rotors, plan: RotorPlan, wake: Wake, at: tuple, image: tu
     wind = jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0)
     cases = _Slipstream(*(*every, *strength, wind))
     both = tuple(jnp.concatenate(pair) for pair in zip(at, image, strict=True))
-    each = jax.lax.map(lambda slip: one(*both, slip), cases)
+    each = jax.lax.map(lambda slip: _in_blocks(lambda *part: one(*part, slip), both, block), cases)
     each = jax.tree.map(lambda v: v.reshape(halves, -1, *v.shape[1:]), each)
     return jax.tree.map(lambda v: v[:, :, :n], each), jax.tree.map(lambda v: v[:, :, n:], each)
+
+
+def _in_blocks(function, vectors: tuple, most: int):
+    """A function of rows in equal blocks of at most so many."""
+    n = vectors[0].shape[0]
+    size = max(d for d in range(1, min(most, n) + 1) if n % d == 0)
+    if size == n:
+        return function(*vectors)
+    blocks = tuple(v.reshape(-1, size, *v.shape[1:]) for v in vectors)
+    out = jax.lax.map(lambda part: function(*part), blocks)
+    return jax.tree.map(lambda v: v.reshape(n, *v.shape[2:]), out)
 
 
 def _by_halves(plan: RotorPlan, own: Array, other: Array, halves: int) -> Array:
@@ -339,15 +354,17 @@ def slipstream_edges(
     def one(point, along, chord, nodes, slip):
         area = member * slip.r
         half = 0.5 * (slip.r[1] - slip.r[0])
-        jet = _Jet((area @ slip.axial) / jnp.sum(area, axis=1), disk_mean(slip.r, slip.axial, slip.radius), slip.wind)
+        axial, v_mean = (area @ slip.axial) / jnp.sum(area, axis=1), disk_mean(slip.r, slip.axial, slip.radius)
+        speed = slip.axes[0] @ slip.wind
+        jet = _Jet(axial, skew(slip.axes[1:] @ slip.wind, v_mean, speed), loading(v_mean, speed))
         ends = jnp.append(hub_edge(slip.r, slip.radius), slip.r[last] + half)
-        place = _Met(point, along, chord, nodes, slip.hub, slip.axes[0], slip.radius, ends, slip.displaced)
+        place = _Met(point, along, chord, nodes, slip.hub, slip.axes, slip.radius, ends, slip.displaced)
         return _edges(jet, place)
 
     def of(each):
         point, along = each.point * jnp.asarray(MIRROR), each.along * jnp.asarray(MIRROR)
         both = (each.point, each.along, each.chord, each.nodes), (point, along, each.chord, each.nodes)
-        seen = _seen(one, rotors, plan, wake, *both, winds=winds)
+        seen = _seen(one, rotors, plan, wake, *both, winds=winds, block=STRIPS_BLOCK)
         edges = jax.tree.map(lambda own, other: _by_halves(plan, own, other, len(winds)), *seen)
         return edges._replace(shed=each.there * edges.shed, moment=each.there * edges.moment)
 
@@ -362,7 +379,7 @@ class _Met(NamedTuple):
     chord: Array
     nodes: Array
     hub: Array
-    axis: Array
+    axes: Array
     radius: Array
     ends: Array  # of the steps of the profile at the disk, m
     displaced: Array
@@ -371,9 +388,9 @@ class _Met(NamedTuple):
 class _Jet(NamedTuple):
     """What the edges of a slipstream depend on but for geometry: few numbers, by which `_edges` has its slopes."""
 
-    axial: Float[Array, " s"]
-    v_mean: Float[Array, ""]
-    wind: Float[Array, " 3"]
+    axial: Float[Array, " s"]  # mean velocity of every step at the disk over the flight speed
+    skew: Float[Array, " 2"]  # slope of the tube along the shaft's axes y and z
+    loading: Float[Array, ""]
 
 
 @jax.custom_jvp
@@ -383,15 +400,14 @@ def _edges(jet: _Jet, met: _Met) -> JetEdges:
 
 
 def _raw_edges(jet: _Jet, met: _Met) -> JetEdges:
-    speed = met.axis @ jet.wind
-    offset = met.point - met.hub
-    x = offset @ met.axis
-    across = offset - x[:, None] * (met.axis + skew(jet.wind - speed * met.axis, jet.v_mean, speed))
+    offset, axis = met.point - met.hub, met.axes[0]
+    x = offset @ axis
+    across = offset - x[:, None] * (axis + jet.skew @ met.axes[1:])
     grown = axial_development(x, met.radius)
-    narrowing = contraction(grown, loading(jet.v_mean, speed))[:, None] * met.ends
+    narrowing = contraction(grown, jet.loading)[:, None] * met.ends
     return jet_edges(
         jnp.sum(across * met.along, axis=1),
-        jnp.sum(across * jnp.cross(met.axis, met.along), axis=1),
+        jnp.sum(across * jnp.cross(axis, met.along), axis=1),
         met.nodes,
         met.chord,
         radius=jnp.sqrt(narrowing**2 + displacement(grown, met.displaced)[:, None]),
@@ -400,13 +416,18 @@ def _raw_edges(jet: _Jet, met: _Met) -> JetEdges:
 
 
 def _edges_rule(primals, tangents):
-    """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them; geometry where it moves."""
+    """Slopes by the few numbers of a jet once for all directions, as `slipstream` has them; geometry where it moves.
+
+    By the steps apart from the others: they change strengths alone, which costs little.
+    """
     jet, met = primals
     still = [isinstance(t, SymbolicZero) for t in tangents[1]]
     d_jet, d_met = instantiated(primals, tangents)
-    numbers, unpack = ravel_pytree(jet)
-    slopes = jax.jacfwd(lambda v: _raw_edges(unpack(v), met))(numbers)
-    change = jax.tree.map(lambda s: s @ ravel_pytree(d_jet)[0], slopes)
+    place, unpack = ravel_pytree(jet[1:])
+    by_axial = jax.jacfwd(lambda v: _raw_edges(jet._replace(axial=v), met))(jet.axial)
+    by_place = jax.jacfwd(lambda v: _raw_edges(_Jet(jet.axial, *unpack(v)), met))(place)
+    d_place = ravel_pytree(d_jet[1:])[0]
+    change = jax.tree.map(lambda a, b: a @ d_jet.axial + b @ d_place, by_axial, by_place)
     if all(still):
         return _raw_edges(jet, met), change
     found, moved = jax.jvp(lambda m: _raw_edges(jet, m), (met,), (d_met,))

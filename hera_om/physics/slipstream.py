@@ -114,9 +114,7 @@ def disk_layer(x: Float[Array, " n"], radius: ScalarLike) -> tuple[Float[Array, 
     return 2.0 * smoothstep(t) - 1.0, jnp.where(jnp.abs(x) < core, rounded, jnp.abs(x))
 
 
-def skew(
-    cross_stream: Float[Array, "3"] | ScalarLike, v_mean: ScalarLike, speed: ScalarLike
-) -> Float[Array, "3"] | Float[Array, ""]:
+def skew(cross_stream: Float[Array, "*n"] | ScalarLike, v_mean: ScalarLike, speed: ScalarLike) -> Float[Array, "*n"]:
     """Slope of the tube's centre line from the shaft towards the stream: tan(chi) = V_cross / (V + v).
 
     Source: Coleman, Feingold and Stempin, NACA ARR L5E10 (1945); Glauert's momentum theory of the inclined disk.
