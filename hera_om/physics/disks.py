@@ -304,14 +304,15 @@ def _seen(
 
 
 def _in_blocks(function, vectors: tuple, most: int):
-    """A function of rows in equal blocks of at most so many."""
+    """A function of rows in equal blocks of at most so many; the last row fills the last block."""
     n = vectors[0].shape[0]
-    size = max(d for d in range(1, min(most, n) + 1) if n % d == 0)
-    if size == n:
+    count = -(-n // most)
+    if count < 2:
         return function(*vectors)
-    blocks = tuple(v.reshape(-1, size, *v.shape[1:]) for v in vectors)
-    out = jax.lax.map(lambda part: function(*part), blocks)
-    return jax.tree.map(lambda v: v.reshape(n, *v.shape[2:]), out)
+    size = -(-n // count)
+    filled = [jnp.pad(v, ((0, count * size - n), *((0, 0),) * (v.ndim - 1)), mode="edge") for v in vectors]
+    out = jax.lax.map(lambda part: function(*part), [v.reshape(count, size, *v.shape[1:]) for v in filled])
+    return jax.tree.map(lambda v: v.reshape(count * size, *v.shape[2:])[:n], out)
 
 
 def _by_halves(plan: RotorPlan, own: Array, other: Array, halves: int) -> Array:
