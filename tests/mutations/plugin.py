@@ -58,6 +58,14 @@ def _mirrored_swirl(old):
     return mean_slipstreams
 
 
+def _without_image(old):
+    def ring_velocities(*args):
+        own, image = old(*args)
+        return own, jnp.zeros_like(image)
+
+    return ring_velocities
+
+
 def _unswept(old):
     def axes(*args):
         line = old(*args) * jnp.array([0.0, 1.0, 1.0])
@@ -409,9 +417,16 @@ MUTATIONS = {
     ),
     "image_off": Mutation(
         "mirror image of the other half",
+        ("lattice:ring_velocities",),
+        _without_image,
+        BLOWN + "test_avl_wing_and_tail[base_m04]",
+        True,
+    ),
+    "image_off_in_blocks": Mutation(
+        "mirror image of the other half, where influence is found in blocks",
         ("lattice:EVEN",),
         (1.0, 0.0),
-        BLOWN + "test_avl_wing_and_tail[base_m04]",
+        PHYSICS + "test_lattice.py::test_bertin",
     ),
     "hinge_sweep_off": Mutation(
         "sweep of the hinge line",
