@@ -24,7 +24,7 @@ from uuid import uuid4
 from hera_om.core.precision import cache_dir
 
 LEAN = {"xla_cpu_use_fusion_emitters": False}
-"""XLA's options for long programs: its older emitters compile them in two thirds of the time and run no slower."""
+"""XLA's options for long programs: its older emitters compile them in two thirds of the time and most run no slower."""
 FAST = LEAN | {"xla_backend_optimization_level": 0}
 """For what runs once or twice a process: compiled in a third of the time, and runs twice as long."""
 

@@ -173,10 +173,10 @@ def zero_lift_angles():
 
 
 def test_tud_propeller_total_pressure():
-    """Total pressure behind the propeller by radius, (1 + 2 u / V)^2 - 1 + (2 v / V)^2, over the dynamic pressure of
-    the stream: within 0.15 from 0.5 to 0.92 of the radius with the angle of zero lift of the published sections by
-    radius, with one angle for all 0.16. Without the nacelle's flow these are 0.18 and 0.20. Further in stands its
-    boundary layer. Of the torque, 2 rho omega r v, friction takes a part, which does not arrive as pressure.
+    """Total pressure behind the propeller by radius over the dynamic pressure of the stream: thrust of annuli over
+    their areas, and swirl. Within 0.16 from 0.5 to 0.92 of the radius with the angle of zero lift of the published
+    sections by radius, with one angle for all 0.17. Without the nacelle's flow these are 0.18 and 0.20. Further in
+    stands its boundary layer. Of the torque's 2 rho omega r v friction takes a part, which does not arrive as pressure.
 
     Angles are thin-aerofoil theory's over that at 75 %, at which the measured thrust of nothing sets the level: the
     definitions of the wind-tunnel cases have their twist from the zero-lift lines.
@@ -196,7 +196,8 @@ def test_tud_propeller_total_pressure():
         stream, _ = before_nacelle(blade, speed, 0.0175, 0.035)
         how = {"radius": radius, "hub_radius": 0.0175, "n_blades": 4.0, "density": density, "sound_speed": 344.0}
         found = ro.solve_rotor(blade, stream, pitch=np.radians(23.9), omega=omega, sense=-1.0, **how)
-        return blade.r / radius, (1.0 + 2.0 * found.v_axial / speed) ** 2 - 1.0 + (2.0 * found.v_swirl / speed) ** 2
+        by_thrust = 4.0 * jnp.mean(found.blade_thrust, axis=1) / (2.0 * np.pi * blade.r)
+        return blade.r / radius, by_thrust / (0.5 * density * speed**2) + (2.0 * found.v_swirl / speed) ** 2
 
     worst = {}
     for name, alpha0, twist in (
@@ -210,7 +211,7 @@ def test_tud_propeller_total_pressure():
             there = np.interp(r, contracted, measured[:, 1 + column] - 1.0)
             errors.append(np.abs(ours - there)[(r > 0.5) & (r < 0.92)])
         worst[name] = np.max(errors)
-    assert worst["sections"] < 0.15 < 0.16 < worst["one"]
+    assert worst["sections"] < 0.16 < 0.17 < worst["one"]
 
 
 EPEMA_RESIDUALS = {25: (-0.0249, 0.0259), 30: (-0.0271, 0.0300)}
