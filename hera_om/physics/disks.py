@@ -17,12 +17,13 @@ from hera_om.physics.nacelle import held_up, nacelle_drag
 from hera_om.physics.rotor import Blade, RotorSolution, blade_elements, element_points, solve_rotor
 from hera_om.physics.slipstream import (
     axial_development,
+    beside_nacelle,
     contraction,
     disk_mean,
-    displacement,
     hub_edge,
     instantiated,
     loading,
+    past_nacelle,
     skew,
     slipstream_velocity,
 )
@@ -258,7 +259,7 @@ def slipstreams(
             edge_width=jnp.sqrt((EDGE_WIDTH * slip.radius) ** 2 + smeared**2),
             cross_stream=slip.wind - speed * axis,
             cross_force=slip.side @ slip.axes[1:],
-            displaced=slip.displaced,
+            nacelle=slip.nacelle,
         )
 
     mirror = jnp.asarray(MIRROR)
@@ -274,7 +275,7 @@ class _Slipstream(NamedTuple):
     axes: Array
     radius: Array
     sense: Array
-    displaced: Array
+    nacelle: Array
     r: Array
     axial: Array
     swirl: Array
@@ -290,9 +291,8 @@ def _seen(
     ``one(*at, slipstream)`` has a row for each of the n places that the arrays of ``at`` describe.
     """
     halves, n = wake.axial.shape[0], at[0].shape[0]
-    displaced = jnp.maximum(rotors.nacelle_radius**2 - rotors.hub_radius**2, 0.0)
     axes, r = shaft_axes(rotors.incidence), blades(rotors, plan).r
-    of_rotor = (rotors.hub, axes, rotors.radius, rotors.sense, displaced, r)
+    of_rotor = (rotors.hub, axes, rotors.radius, rotors.sense, rotors.nacelle_radius, r)
     every = jax.tree.map(lambda v: jnp.concatenate([v] * halves), of_rotor)
     strength = jax.tree.map(lambda v: v.reshape(-1, *v.shape[2:]), tuple(wake))
     wind = jnp.repeat(winds[:halves], rotors.sense.shape[0], axis=0)
@@ -359,7 +359,7 @@ def slipstream_edges(
         speed = slip.axes[0] @ slip.wind
         jet = _Jet(axial, skew(slip.axes[1:] @ slip.wind, v_mean, speed), loading(v_mean, speed))
         ends = jnp.append(hub_edge(slip.r, slip.radius), slip.r[last] + half)
-        place = _Met(point, along, chord, nodes, slip.hub, slip.axes, slip.radius, ends, slip.displaced)
+        place = _Met(point, along, chord, nodes, slip.hub, slip.axes, slip.radius, ends, slip.nacelle)
         return _edges(jet, place)
 
     def of(each):
@@ -383,7 +383,7 @@ class _Met(NamedTuple):
     axes: Array
     radius: Array
     ends: Array  # of the steps of the profile at the disk, m
-    displaced: Array
+    nacelle: Array
 
 
 class _Jet(NamedTuple):
@@ -403,7 +403,9 @@ def _edges(jet: _Jet, met: _Met) -> JetEdges:
 def _raw_edges(jet: _Jet, met: _Met) -> JetEdges:
     offset, axis = met.point - met.hub, met.axes[0]
     x = offset @ axis
-    across = offset - x[:, None] * (axis + jet.skew @ met.axes[1:])
+    radial = offset - x[:, None] * axis
+    drift = x * past_nacelle(jnp.sum(radial**2, axis=1), met.radius, met.nacelle)
+    across = radial - drift[:, None] * (jet.skew @ met.axes[1:])
     grown = axial_development(x, met.radius)
     narrowing = contraction(grown, jet.loading)[:, None] * met.ends
     return jet_edges(
@@ -411,7 +413,7 @@ def _raw_edges(jet: _Jet, met: _Met) -> JetEdges:
         jnp.sum(across * jnp.cross(axis, met.along), axis=1),
         met.nodes,
         met.chord,
-        radius=jnp.sqrt(narrowing**2 + displacement(grown, met.displaced)[:, None]),
+        radius=jnp.sqrt(narrowing**2 + beside_nacelle(grown, met.nacelle, met.ends[0])[:, None]),
         excess=jnp.pad((1.0 + (1.0 + grown)[:, None] * jet.axial) ** 2 - 1.0, ((0, 0), (1, 0))),
     )
 

@@ -33,6 +33,8 @@ LEAST_HUB = 1e-3
 """Least radius of that edge over the rotor's, for blades that begin on the axis."""
 AXIS_CORE = 1e-6
 """Radius over rotor radius under which the distance from the axis is rounded off; the swirl is zero there."""
+NACELLE_LAYER = 0.2
+"""Share of a nacelle's area over whose like outside of it the drift past it is rounded to nothing (choice)."""
 
 
 def _spline_curvatures(r: Float[Array, " nr"], values: Float[Array, "nr k"]) -> Float[Array, "nr k"]:
@@ -98,9 +100,27 @@ def contraction(kappa: Float[Array, "..."], disk_loading: ScalarLike) -> Float[A
     return 1.0 / jnp.sqrt(1.0 + disk_loading * kappa)
 
 
-def displacement(kappa: Float[Array, "..."], displaced: ScalarLike) -> Float[Array, "..."]:
-    """What a nacelle adds to the square of every radius of the tube: all far behind, half at the disk (choice)."""
-    return displaced * (1.0 + kappa) / 2.0
+def past_nacelle(r2: Float[Array, " n"], radius: ScalarLike, nacelle: ScalarLike) -> Float[Array, " n"]:
+    """Share of the tube's drift across the shaft that a nacelle leaves, 1 - (a / r)^2 outside its radius a.
+
+    Air that drifts across a tube around a cylinder flows around that: to first order its distance from the shaft
+    changes by (1 - a^2 / r^2) of the drift's part in the direction of the radius. At the nacelle it does not change.
+
+    Source: the cylinder in crossflow, any text on potential theory.
+
+    Arguments:
+        r2: square of the distance from the shaft, m^2.
+        radius: of the rotor, m.
+        nacelle: radius of the nacelle, m; 0 leaves all of the drift.
+    """
+    square = jnp.square(nacelle)
+    past = square / jnp.maximum(r2 - square, (AXIS_CORE * radius) ** 2)
+    return 1.0 / ((1.0 + past) * (1.0 + (NACELLE_LAYER * past) ** 2))
+
+
+def beside_nacelle(kappa: Float[Array, "..."], nacelle: ScalarLike, hub: ScalarLike) -> Float[Array, "..."]:
+    """What a nacelle wider than the hub adds to the square of a radius: all far behind, half at the disk (choice)."""
+    return jnp.maximum(jnp.square(nacelle) - jnp.square(hub), 0.0) * (1.0 + kappa) / 2.0
 
 
 def disk_layer(x: Float[Array, " n"], radius: ScalarLike) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
@@ -216,7 +236,7 @@ def slipstream_velocity(
     edge_width: ScalarLike | Float[Array, " n"],
     cross_stream: Float[Array, "3"] | ScalarLike = 0.0,
     cross_force: Float[Array, "3"] | ScalarLike = 0.0,
-    displaced: ScalarLike = 0.0,
+    nacelle: ScalarLike = 0.0,
 ) -> Float[Array, "n 3"]:
     """Velocity that a rotor adds to the flow at ``points``: the mean flow of its vortex system.
 
@@ -227,12 +247,13 @@ def slipstream_velocity(
 
     with x the distance behind the disk, H the step at the disk, R_s(x) the radius of the stream tube by
     continuity and r_d = r R / R_s the radius at which a point's air passed the disk; r is taken from the tube's
-    centre line, which leaves the hub along the shaft's axis plus `skew`. u_disk is -v_axial just behind the disk
-    and +v_axial just ahead: the velocity at the disk is v_axial, doubles behind, and on the axis of a uniform disk
-    grows as 1 + x / sqrt(x^2 + R^2). Off the disk it is free of divergence and of vorticity and falls off as a
-    sink's. Tip and root vortices leave no swirl ahead of the disk or outside the tube. In a stream at an angle to
-    the shaft the walls of the skewed tube add half (1 + x / sqrt(x^2 + R^2)) times `tilt`, and a force across the shaft
-    the same of `turn`, both with the flow around a cylinder outside the tube.
+    centre line, which leaves the hub along the shaft's axis plus `skew`, less what flows around a nacelle
+    (`past_nacelle`). u_disk is -v_axial just behind the disk and +v_axial just ahead: the velocity at the disk is
+    v_axial, doubles behind, and on the axis of a uniform disk grows as 1 + x / sqrt(x^2 + R^2). Off the disk it is
+    free of divergence and of vorticity and falls off as a sink's. Tip and root vortices leave no swirl ahead of the
+    disk or outside the tube. In a stream at an angle to the shaft the walls of the skewed tube add half
+    (1 + x / sqrt(x^2 + R^2)) times `tilt`, and a force across the shaft the same of `turn`, both with the flow around
+    a cylinder outside the tube.
 
     Source: Branlard and Gaunaa, Wind Energy 18 (2015) 1973-1987 (tubes, root vortex); Conway, Journal of Fluid
     Mechanics 297 (1995) 327-355 (radial load); McCormick, Aerodynamics of V/STOL Flight (1967) (contraction).
@@ -251,7 +272,7 @@ def slipstream_velocity(
             of the tube by a quintic step.
         cross_stream: velocity of the undisturbed stream across the shaft, m/s.
         cross_force: force on the air across the shaft over rho pi R^2, m^2/s^2.
-        displaced: square of a nacelle's radius less that of the hub, m^2: the air of the tube stands outside of it.
+        nacelle: radius of a nacelle behind the disk, m: the air of the tube passes outside of it.
 
     Returns:
         Velocity in the axes of ``points``, m/s; twice differentiable in every argument.
@@ -263,7 +284,7 @@ def slipstream_velocity(
     slope = jnp.broadcast_to(skew(cross_stream, v_mean, speed), (3,))
     half = 0.5 * (r[1] - r[0])
     amplitudes = ENTRAINMENT * disk_amplitudes(jnp.append(r - half, r[-1] + half), v_axial, radius)
-    place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense, displaced)))
+    place = _Place(*map(jnp.asarray, (points, hub, axis, radius, r, edge_width, sense, nacelle)))
     inside, outside = (0.5 * jnp.broadcast_to(v, (3,)) for v in turn(cross_force, v_mean, speed))
     within, push = (0.5 * jnp.broadcast_to(v, (3,)) for v in tilt(cross_stream, v_mean, speed))
     profiles = jnp.stack([v_axial, v_swirl], axis=1)
@@ -281,7 +302,7 @@ class _Place(NamedTuple):
     r: Array
     edge_width: Array
     sense: Array
-    displaced: Array
+    nacelle: Array
 
 
 class _Shape(NamedTuple):
@@ -340,9 +361,10 @@ def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array,
     sign, distance = disk_layer(x, radius)
     kappa = axial_development(x, radius)
     narrowing = contraction(kappa, shape.loading)
-    # The vector from the centre line is radial - x slope: only its products with vectors are formed.
-    inner2 = r2 - x * (2.0 * radial @ slope - x * (slope @ slope)) + (AXIS_CORE * radius) ** 2
-    beside = displacement(kappa, place.displaced)
+    drift = x * past_nacelle(r2, radius, place.nacelle)
+    # The vector from the centre line is radial - drift slope: only its products with vectors are formed.
+    inner2 = r2 - drift * (2.0 * radial @ slope - drift * (slope @ slope)) + (AXIS_CORE * radius) ** 2
+    beside = beside_nacelle(kappa, place.nacelle, hub_edge(place.r, radius))
     at_disk = jnp.sqrt(jnp.maximum(inner2 - beside, (AXIS_CORE * radius) ** 2)) / narrowing
     tube = _tube_profile(at_disk, place.r, radius, place.edge_width, strength.profiles)
     along, inward = disk_velocity(distance, r2, radius, amplitudes=strength.amplitudes)
@@ -352,9 +374,9 @@ def _raw_flow(place: _Place, shape: _Shape, strength: _Strength) -> Float[Array,
     s2 = inner2 / square
     across, outward = crossflow(s2)
     wall = strength.push - strength.outside
-    radially = (1.0 + kappa) * outward * (radial @ wall - x * (slope @ wall)) / square
+    radially = (1.0 + kappa) * outward * (radial @ wall - drift * (slope @ wall)) / square
     within = (1.0 + kappa) / (1.0 + jnp.minimum(s2, 1e3) ** 8)
-    parts = [axial, inward + radially, swirl, -x * radially, -x * swirl]
+    parts = [axial, inward + radially, swirl, -drift * radially, -drift * swirl]
     vectors = [axis, radial, jnp.cross(axis, radial), slope, jnp.cross(axis, slope)]
     parts += [(1.0 + kappa) * across, (1.0 + kappa) * (across + s2 * outward), within]
     vectors += [strength.push, strength.outside, strength.inside - strength.outside]

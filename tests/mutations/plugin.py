@@ -81,6 +81,10 @@ def _no_loss(old):
     return loss
 
 
+def _nothing_in_the_way(r2, radius, nacelle):
+    return jnp.ones_like(r2)
+
+
 def _mid_width(old):
     def span_weights(*args):
         weights, middle = old(*args)
@@ -273,10 +277,16 @@ MUTATIONS = {
     ),
     "nacelle_off": Mutation(
         "nacelle in the slipstream",
-        ("slipstream:displacement",),
+        ("slipstream:beside_nacelle",),
         _nothing,
         PHYSICS + "test_slipstream.py::test_a_nacelle_pushes_the_tube_outwards",
         wrap=True,
+    ),
+    "nacelle_passed_through": Mutation(
+        "nacelle in the way of the slipstream's drift",
+        ("slipstream:past_nacelle", "disks:past_nacelle"),
+        _nothing_in_the_way,
+        TUNNEL + "test_model_II",
     ),
     "nacelle_flow_off": Mutation(
         "flow of a nacelle at its own disk",

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from hera_om.physics import slipstream as ss
 from hera_om.physics.rotor import blade_elements, sense_sign, solve_rotor
@@ -333,12 +334,48 @@ def test_a_nacelle_pushes_the_tube_outwards():
     displaced = 0.3**2 * RADIUS**2
     r = jnp.linspace(0.3, 0.9, 13) * RADIUS
 
-    def far(r, displaced):
+    def far(r, nacelle):
         points = jnp.stack([jnp.full_like(r, 60.0 * RADIUS), r, jnp.zeros_like(r)], axis=1)
-        return field(points, **uniform(v_axial=10.0 + 2.0 * R_MID), displaced=displaced)
+        return field(points, **uniform(v_axial=10.0 + 2.0 * R_MID), nacelle=nacelle)
 
-    plain, pushed = far(r, 0.0), far(jnp.sqrt(r**2 + displaced), displaced)
+    plain, pushed = far(r, 0.0), far(jnp.sqrt(r**2 + displaced), np.hypot(HUB, 0.3 * RADIUS))
     np.testing.assert_allclose(pushed[:, 0], plain[:, 0], rtol=1e-3)
     moment = plain[:, 2] * r
     np.testing.assert_allclose(pushed[:, 2] * jnp.sqrt(r**2 + displaced), moment, rtol=1e-3)
     assert np.min(np.abs(moment)) > 1.0
+
+
+def around_a_cylinder(start, distance, slope, radius):
+    """Where air that starts at (y, z) is after a distance along a cylinder, in a stream of this slope across it."""
+
+    def velocity(_, place):
+        conjugate = -1j * slope * (1.0 + (radius / complex(*place)) ** 2)  # stream along z, Milne-Thomson's circle
+        return [conjugate.real, -conjugate.imag]
+
+    return solve_ivp(velocity, (0.0, distance), start, rtol=1e-9, atol=1e-12).y[:, -1]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 1.5, 2.5, -1.2])
+def test_air_of_a_skewed_tube_flows_around_a_nacelle(angle):
+    """Its axial velocity is that of the radius at which it passed the disk; through the nacelle it would be 1.6 m/s off."""
+    nacelle, slope, distance = 0.3 * RADIUS, 0.04, 2.0 * RADIUS
+    v_axial = 6.0 + 8.0 * (R_MID / RADIUS)
+    for r in np.array([0.36, 0.5, 0.75]) * RADIUS:
+        start = r * np.cos(angle), r * np.sin(angle)
+        y, z = around_a_cylinder(start, distance, slope, nacelle)
+        there = jnp.array([[distance, y, z], [distance, *start]])
+        flow = uniform(v_axial=v_axial, v_swirl=0.0 * v_axial, speed=1e7, nacelle=nacelle)
+        skewed = field(there[:1], **flow, cross_stream=jnp.array([0.0, 0.0, slope * 1e7]))
+        straight = field(there[1:], **flow)
+        np.testing.assert_allclose(skewed[0, 0], straight[0, 0], atol=0.22)
+
+
+def test_a_nacelle_keeps_the_inner_edge_of_a_skewed_tube():
+    """All around the nacelle is the air of the blade's root, at any skew; the outer edge follows the stream."""
+    nacelle, t = 0.3 * RADIUS, np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
+    ring = jnp.stack([jnp.full(12, 2.0 * RADIUS), jnp.cos(t), jnp.sin(t)], axis=1)
+    flow = uniform(v_swirl=jnp.zeros(N), nacelle=nacelle)
+    for r, least, most in ((nacelle, 0.0, 1e-9), (RADIUS, 2.0, 20.0)):
+        at = ring * jnp.array([1.0, r, r])
+        across = (field(at, **flow, cross_stream=jnp.array([0.0, 0.0, w]))[:, 0] for w in (0.0, 8.0))
+        assert least <= np.max(np.abs(np.subtract(*across))) <= most
