@@ -357,7 +357,7 @@ def around_a_cylinder(start, distance, slope, radius):
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 1.5, 2.5, -1.2])
 def test_air_of_a_skewed_tube_flows_around_a_nacelle(angle):
-    """Its axial velocity is that of the radius at which it passed the disk; through the nacelle it would be 1.6 m/s off."""
+    """Its axial velocity is that of the radius at which it passed the disk; through the nacelle up to 1.6 m/s off."""
     nacelle, slope, distance = 0.3 * RADIUS, 0.04, 2.0 * RADIUS
     v_axial = 6.0 + 8.0 * (R_MID / RADIUS)
     for r in np.array([0.36, 0.5, 0.75]) * RADIUS:
