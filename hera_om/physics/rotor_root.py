@@ -13,7 +13,7 @@ Values = Float[Array, "..."]
 ROOT_TOLERANCE, RESIDUAL_TOLERANCE = 1e-5, 1e-6
 """Bracket width, or residual, at which the search stops."""
 ROOT_ITERATIONS = 80
-NEWTON_ITERATIONS, LONGEST_STEP, LAST_STEP = 7, 0.1, 1e-7
+NEWTON_ITERATIONS, LONGEST_STEP, LAST_STEP = 10, 0.1, 1e-7
 """Newton's steps before the search takes over, the longest of them, rad, and the one after which it ends: its square
 is rounding."""
 LEAST_SLOPE = 1e-8
@@ -109,7 +109,8 @@ def _newton(f: Callable[[Array], Array], start: Values) -> _Newton:
 
     def body(s: _Newton) -> _Newton:
         value, slope = jax.jvp(f, (s.x,), (jnp.ones_like(s.x),))  # elements do not depend on each other
-        step = jnp.clip(-value / safe(slope), -LONGEST_STEP, LONGEST_STEP)
+        # where f falls, the longest step towards the side on which it has to rise through zero
+        step = jnp.clip(-value / jnp.maximum(slope, LEAST_SLOPE), -LONGEST_STEP, LONGEST_STEP)
         return _Newton(s.x + step, step, slope, s.iteration + 1.0)
 
     def unfinished(s: _Newton) -> Array:
