@@ -379,3 +379,14 @@ def test_a_nacelle_keeps_the_inner_edge_of_a_skewed_tube():
         at = ring * jnp.array([1.0, r, r])
         across = (field(at, **flow, cross_stream=jnp.array([0.0, 0.0, w]))[:, 0] for w in (0.0, 8.0))
         assert least <= np.max(np.abs(np.subtract(*across))) <= most
+
+
+def test_derivatives_of_a_skewed_tube_around_a_nacelle(check_derivatives):
+    """By place, skew and nacelle, twice, near the nacelle and at the edge."""
+    points = jnp.array([[1.2, 0.31, 0.05], [2.0, 0.1, 0.45], [1.5, -0.7, 0.2], [2.5, 0.3, 0.95]]) * RADIUS
+
+    def field_by(p):
+        flow = uniform(nacelle=0.3 * RADIUS * p[2], cross_stream=jnp.array([0.0, 1.0, 6.0 * p[1]]))
+        return field(points + jnp.array([0.0, 0.0, p[0]]), **flow).ravel()
+
+    check_derivatives(field_by, np.array([0.05, 1.0, 1.0]))
